@@ -1,0 +1,100 @@
+"""A molecule: atoms, bonds and what the file says of them, as plain arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+POLYMER_PROTEIN, POLYMER_NUCLEIC, LIGAND, SOLVENT, ION, OTHER_POLYMER = range(6)
+"""Values of :attr:`Molecule.kind`."""
+
+COIL, HELIX, STRAND = range(3)
+"""Values of :attr:`Molecule.secondary` (one per residue)."""
+
+
+@dataclass(frozen=True, eq=False)
+class AssemblyPart:
+    """Some chains of a biological assembly and the operators that place them.
+
+    ``chains`` are indices into :attr:`Molecule.chain_names`; ``rotations`` (k, 4) unit quaternions
+    x, y, z, w and ``positions`` (k, 3) take file coordinates to the assembly.
+    """
+
+    chains: tuple[int, ...]
+    rotations: NDArray[np.float32]
+    positions: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Molecule:
+    """Atoms in file order; every per-atom array has length n. Ångström.
+
+    Residues and chains are runs of atoms: ``residue[i]`` and ``chain[i]`` are zero-based indices
+    into the per-residue and per-chain arrays.
+    """
+
+    name: str
+    positions: NDArray[np.float32]
+    """(n, 3)"""
+    element: NDArray[np.uint8]
+    """Atomic number; 0 where unknown."""
+    atom_name: NDArray[np.str_]
+    residue: NDArray[np.int32]
+    chain: NDArray[np.int32]
+    kind: NDArray[np.uint8]
+    """POLYMER_PROTEIN … OTHER_POLYMER."""
+    hetero: NDArray[np.bool_]
+    b_factor: NDArray[np.float32]
+    """Å², or pLDDT for predicted structures."""
+    occupancy: NDArray[np.float32]
+    altloc: NDArray[np.str_]
+    formal_charge: NDArray[np.int8]
+    serial: NDArray[np.int32]
+    """The number that the file gives the atom."""
+    model: NDArray[np.int32]
+    """The file's model number, where several models were loaded together; else all 1."""
+
+    residue_name: NDArray[np.str_]
+    """Per residue."""
+    residue_number: NDArray[np.int32]
+    """Per residue: author's number."""
+    insertion_code: NDArray[np.str_]
+    """Per residue; empty where none."""
+    secondary: NDArray[np.uint8]
+    """Per residue: COIL, HELIX or STRAND."""
+
+    chain_names: tuple[str, ...]
+    """Per chain: author's name (may repeat in mmCIF: author and label differ)."""
+    chain_entity: NDArray[np.int32]
+    """Per chain: zero-based entity index."""
+    entity_names: tuple[str, ...] = ()
+
+    bonds: NDArray[np.int32] = field(default_factory=lambda: np.zeros((0, 2), np.int32))
+    """(m, 2) atom indices, each bond once."""
+    bond_order: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+    """(m,): 1, 2, 3; 4 aromatic; 0 unknown."""
+
+    assemblies: dict[str, tuple[AssemblyPart, ...]] = field(default_factory=dict)
+    """Biological assemblies by their id in the file."""
+    source: str = ""
+    """The path or ID it was read from."""
+    notes: tuple[str, ...] = ()
+    """What the reader mended or dropped, one sentence each."""
+    secondary_from: str = ""
+    """``"file"`` or ``"assigned"``."""
+    radius: NDArray[np.float32] | None = None
+    """Per-atom radii where the file gives them (sphere files, coarse grains); else None."""
+
+    def __len__(self) -> int:
+        """Number of atoms."""
+        return len(self.positions)
+
+    @cached_property
+    def bounds(self) -> NDArray[np.float32]:
+        """(2, 3) box around the atoms' centres."""
+        if len(self) == 0:
+            return np.zeros((2, 3), np.float32)
+        return np.stack([self.positions.min(axis=0), self.positions.max(axis=0)])
