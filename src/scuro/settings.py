@@ -175,7 +175,8 @@ def subgroups(group: type[SettingsGroup]) -> tuple[tuple[str, type[SettingsGroup
     return tuple(
         (f.name, hints[f.name])
         for f in fields(group)  # type: ignore[arg-type]
-        if is_dataclass(hints[f.name]) and issubclass(typing.cast(type, hints[f.name]), SettingsGroup)
+        if is_dataclass(hints[f.name])
+        and issubclass(typing.cast(type, hints[f.name]), SettingsGroup)
     )
 
 

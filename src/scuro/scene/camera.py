@@ -128,7 +128,9 @@ class Camera:
         if orthographic:
             # centre the picture on what is seen
             middle = [(np.min(c - radius) + np.max(c + radius)) / 2 for c in local[:, :2].T]
-            half = [np.max(np.abs(c - m) + radius) for c, m in zip(local[:, :2].T, middle, strict=True)]
+            half = [
+                np.max(np.abs(c - m) + radius) for c, m in zip(local[:, :2].T, middle, strict=True)
+            ]
             depth = float(np.max(local[:, 2] + radius))
             height = 2 * margin * max(half[1], half[0] / aspect, 1e-6)
             offset = probe.view_from_world()[:2, :3].T @ np.array(middle)

@@ -1,0 +1,206 @@
+"""Pipelines, compiled lazily and kept; resources bound by the names the shader declares."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING, Any
+
+from scuro.errors import ShaderError
+from scuro.gpu.layout import pack
+from scuro.gpu.shader import Source, load
+
+if TYPE_CHECKING:
+    from scuro.gpu.gpu import Gpu
+
+
+class Program:
+    """A pipeline and the layout of what it wants bound."""
+
+    def __init__(self, source: Source, layouts: list[Any], pipeline: Any) -> None:
+        self.source = source
+        self.pipeline = pipeline
+        self.name = PurePosixPath(source.file).stem
+        self._layouts = layouts
+        self._groups: dict[tuple, tuple[Any, list[Any]]] = {}
+
+    def bind(self, gpu: Gpu, resources: Mapping[str, Any]) -> list[Any]:
+        """One bind group for each ``@group``, from resources by name."""
+        groups = []
+        for index, layout in enumerate(self._layouts):
+            entries, held = [], []
+            for binding in self.source.bindings:
+                if binding.group != index:
+                    continue
+                if binding.name not in resources:
+                    raise ShaderError(
+                        self.source.file, None, f"nothing is bound to '{binding.name}'"
+                    )
+                resource = self._resource(gpu, binding, resources[binding.name])
+                entries.append({"binding": binding.slot, "resource": resource[1]})
+                held.append(resource[0])
+            key = (index, *map(id, held))
+            if key not in self._groups:
+                if len(self._groups) > 64:
+                    self._groups.clear()
+                # holding the resources keeps their identities from being reused
+                group = gpu.device.create_bind_group(layout=layout, entries=entries)
+                self._groups[key] = (group, held)
+            groups.append(self._groups[key][0])
+        return groups
+
+    def _resource(self, gpu: Gpu, binding: Any, value: Any) -> tuple[Any, Any]:
+        if binding.space == "uniform" and isinstance(value, Mapping):
+            kind = self.source.structs.get(binding.type.strip())
+            if kind is None:
+                raise ShaderError(
+                    self.source.file, None, f"uniform '{binding.name}' must be a struct of numbers"
+                )
+            value = gpu.uniform(pack(kind, value, self.source.file, binding.name))
+        if binding.space:
+            return value, {"buffer": value, "offset": 0, "size": value.size}
+        if hasattr(value, "create_view"):
+            return value, _view(value, binding.type)
+        return value, value
+
+
+def _view(texture: Any, type: str) -> Any:
+    if "_array" in type:
+        return texture.create_view(dimension="2d-array")
+    if "storage" in type and texture.mip_level_count > 1:
+        return texture.create_view(mip_level_count=1)
+    return texture.create_view()
+
+
+class Programs:
+    """All pipelines of one device."""
+
+    def __init__(self, device: Any) -> None:
+        self._device = device
+        self._modules: dict[str, Any] = {}
+        self._layouts: dict[tuple, Any] = {}
+        self._programs: dict[tuple, Program] = {}
+
+    def compute(self, shader: str | Source, entry: str, constants: Mapping[str, float]) -> Program:
+        """The compute program of an entry point with given ``override`` values."""
+        source = load(shader) if isinstance(shader, str) else shader
+        key = (source.text, entry, tuple(sorted(constants.items())))
+        if key not in self._programs:
+            if entry not in source.workgroups:
+                raise ShaderError(source.file, None, f"there is no compute entry point '{entry}'")
+            layouts = self._bind_layouts(source, compute=True)
+            with_module = self._module(source)
+            try:
+                pipeline = self._device.create_compute_pipeline(
+                    layout=self._device.create_pipeline_layout(bind_group_layouts=layouts),
+                    compute={
+                        "module": with_module,
+                        "entry_point": entry,
+                        "constants": dict(constants),
+                    },
+                )
+            except Exception as error:
+                raise _explained(source, error) from None
+            self._programs[key] = Program(source, layouts, pipeline)
+        return self._programs[key]
+
+    def render(
+        self,
+        shader: str | Source,
+        entries: tuple[str, str],
+        formats: tuple[str, ...],
+        depth: str | None,
+        constants: Mapping[str, float],
+        topology: str,
+        blend: dict | None,
+    ) -> Program:
+        """The render program of two entry points for given target formats."""
+        source = load(shader) if isinstance(shader, str) else shader
+        key = (
+            source.text, entries, formats, depth, tuple(sorted(constants.items())), topology,
+            repr(blend),
+        )  # fmt: skip
+        if key not in self._programs:
+            layouts = self._bind_layouts(source, compute=False)
+            module = self._module(source)
+            target = {"blend": blend} if blend else {}
+            try:
+                pipeline = self._device.create_render_pipeline(
+                    layout=self._device.create_pipeline_layout(bind_group_layouts=layouts),
+                    vertex={
+                        "module": module,
+                        "entry_point": entries[0],
+                        "constants": dict(constants),
+                    },
+                    primitive={"topology": topology},
+                    depth_stencil={
+                        "format": depth,
+                        "depth_write_enabled": True,
+                        "depth_compare": "greater",
+                    }
+                    if depth
+                    else None,
+                    fragment={
+                        "module": module,
+                        "entry_point": entries[1],
+                        "constants": dict(constants),
+                        "targets": [{"format": f, **target} for f in formats],
+                    },
+                )
+            except Exception as error:
+                raise _explained(source, error) from None
+            self._programs[key] = Program(source, layouts, pipeline)
+        return self._programs[key]
+
+    def _module(self, source: Source) -> Any:
+        if source.text not in self._modules:
+            try:
+                self._modules[source.text] = self._device.create_shader_module(
+                    code=source.text, label=source.file
+                )
+            except Exception as error:
+                raise _explained(source, error) from None
+        return self._modules[source.text]
+
+    def _bind_layouts(self, source: Source, *, compute: bool) -> list[Any]:
+        import wgpu
+
+        stage = wgpu.ShaderStage.COMPUTE
+        if not compute:
+            stage = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
+        count = max((b.group for b in source.bindings), default=-1) + 1
+        layouts = []
+        for group in range(count):
+            entries = []
+            for b in source.bindings:
+                if b.group != group:
+                    continue
+                visibility = stage
+                if not compute and ("read_write" in b.space or "texture_storage" in b.type):
+                    visibility = wgpu.ShaderStage.FRAGMENT
+                entries.append({"binding": b.slot, "visibility": visibility, **b.layout()})
+            key = (compute, repr(entries))
+            if key not in self._layouts:
+                self._layouts[key] = self._device.create_bind_group_layout(entries=entries)
+            layouts.append(self._layouts[key])
+        return layouts
+
+
+def _explained(source: Source, error: Exception) -> ShaderError:
+    """The compiler's words with the line of the file that was written, not of the flat text."""
+    text = str(error)
+    match = re.search(r"wgsl:(\d+):(\d+)", text) or re.search(r":(\d+):(\d+)", text)
+    why = next(
+        (line.strip() for line in text.splitlines() if "error" in line.lower() and ":" in line),
+        text.strip().splitlines()[0] if text.strip() else type(error).__name__,
+    )
+    detail = [line.strip(" │|") for line in text.splitlines() if "^" in line or "Caused" in line]
+    if detail:
+        why = f"{why} ({'; '.join(d for d in detail if d)[:300]})"
+    if "Validation" in text or match is None:
+        why = re.sub(r"\s+", " ", text)[:800]
+    if match:
+        file, line = source.where(int(match.group(1)))
+        return ShaderError(file, line, why)
+    return ShaderError(source.file, None, why)
