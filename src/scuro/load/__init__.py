@@ -1,0 +1,87 @@
+"""From a file to plain arrays: :func:`load` and the table of readers. Never imports the GPU.
+
+A reader is a function ``read(source: Source, options: LoadOptions)`` that returns one of the
+dataclasses of :mod:`scuro.scene` or raises :class:`~scuro.errors.LoadError`. Readers are imported
+when a file of theirs is first read.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from scuro.errors import LoadError, SettingsError
+from scuro.load.options import LoadOptions
+from scuro.load.source import Source, open_source
+from scuro.settings import unknown
+
+__all__ = ["READERS", "LoadOptions", "Source", "load", "open_source"]
+
+_STRUCTURE = "scuro.load.structure"
+
+READERS: dict[str, tuple[str, str]] = {
+    ".pdb": (_STRUCTURE, "read_pdb"),
+    ".ent": (_STRUCTURE, "read_pdb"),
+    ".pqr": (_STRUCTURE, "read_pqr"),
+    ".cif": (_STRUCTURE, "read_cif"),
+    ".mmcif": (_STRUCTURE, "read_cif"),
+    ".bcif": (_STRUCTURE, "read_bcif"),
+    ".mmtf": (_STRUCTURE, "read_mmtf"),
+    ".sdf": (_STRUCTURE, "read_sdf"),
+    ".sd": (_STRUCTURE, "read_sdf"),
+    ".mol": (_STRUCTURE, "read_sdf"),
+    ".mol2": (_STRUCTURE, "read_mol2"),
+    ".xyz": (_STRUCTURE, "read_xyz"),
+    ".gro": (_STRUCTURE, "read_gro"),
+    ".psf": (_STRUCTURE, "read_psf"),
+}
+"""Suffix (lower case, without ``.gz``) to the module and function that reads it."""
+
+
+def load(
+    name: str | Path,
+    *,
+    format: str | None = None,
+    options: LoadOptions | None = None,
+    **changes: Any,
+) -> Any:
+    """Read a file.
+
+    Args:
+        name: A path, ``-`` for standard input, a PDB ID (downloaded once), or ``sample:1tii``.
+        format: The format's usual ending (``"pdb"``, ``"cif"``, …), where the name does not say.
+        options: What to read of the file.
+        changes: Single options by name, e.g. ``model=2``, ``waters=False``.
+
+    Raises:
+        LoadError: The file is missing, damaged, or of no known format.
+        SettingsError: An unknown format or option.
+    """
+    if "model" in changes:
+        changes["model"] = str(changes["model"])
+    chosen = (options or LoadOptions()).replace(**changes)
+    source = open_source(name)
+    module, function = _reader(source, format)
+    return getattr(import_module(module), function)(source, chosen)
+
+
+def _reader(source: Source, format: str | None) -> tuple[str, str]:
+    if format is not None:
+        suffix = f".{format.lower().lstrip('.')}"
+        if suffix not in READERS:
+            raise SettingsError(unknown("format", format, [s[1:] for s in READERS]))
+        return READERS[suffix]
+    if source.suffix in READERS:
+        return READERS[source.suffix]
+    from scuro.load.sniff import sniff
+
+    suffix = sniff(source.data)
+    if suffix is None:
+        known = ", ".join(sorted(READERS))
+        raise LoadError(
+            source.name,
+            f"neither its ending nor its content is of a known format; known endings: {known}; "
+            "or say --format",
+        )
+    return READERS[suffix]

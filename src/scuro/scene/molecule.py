@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +15,39 @@ POLYMER_PROTEIN, POLYMER_NUCLEIC, LIGAND, SOLVENT, ION, OTHER_POLYMER = range(6)
 
 COIL, HELIX, STRAND = range(3)
 """Values of :attr:`Molecule.secondary` (one per residue)."""
+
+
+T = TypeVar("T")
+
+
+class Deferred(Generic[T]):
+    """A dataclass field given as a value, or as a function of the object, called on first use.
+
+    Bonds and secondary structure cost more than all the rest of loading, and a space-filling
+    picture needs neither.
+    """
+
+    def __init__(self, default: Callable[[Any], T]) -> None:
+        self.default = default
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    @overload
+    def __get__(self, instance: None, owner: type) -> Callable[[Any], T]: ...
+    @overload
+    def __get__(self, instance: object, owner: type) -> T: ...
+    def __get__(self, instance: object | None, owner: type) -> T | Callable[[Any], T]:
+        if instance is None:  # the dataclass asks for the default
+            return self.default
+        value = instance.__dict__[self.name]
+        if callable(value):
+            value = instance.__dict__[self.name] = value(instance)
+        return value
+
+    def __set__(self, instance: object, value: T | Callable[[Any], T]) -> None:
+        # reached from the dataclass's __init__ only: a frozen dataclass refuses assignment
+        instance.__dict__[self.name] = value
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +67,9 @@ class AssemblyPart:
 class Molecule:
     """Atoms in file order; every per-atom array has length n. Ångström.
 
-    Residues and chains are runs of atoms: ``residue[i]`` and ``chain[i]`` are zero-based indices
-    into the per-residue and per-chain arrays.
+    ``residue[i]`` and ``chain[i]`` are zero-based indices into the per-residue and per-chain
+    arrays. A residue is a run of atoms; a chain need not be (PDB files append a chain's ligands
+    and waters after all polymers).
     """
 
     name: str
@@ -63,19 +99,24 @@ class Molecule:
     """Per residue: author's number."""
     insertion_code: NDArray[np.str_]
     """Per residue; empty where none."""
-    secondary: NDArray[np.uint8]
-    """Per residue: COIL, HELIX or STRAND."""
 
     chain_names: tuple[str, ...]
-    """Per chain: author's name (may repeat in mmCIF: author and label differ)."""
+    """Per chain: author's name. May repeat: mmCIF numbers a chain's ligands as chains of their
+    own (``label_asym_id``) under the same author's name."""
     chain_entity: NDArray[np.int32]
     """Per chain: zero-based entity index."""
     entity_names: tuple[str, ...] = ()
 
-    bonds: NDArray[np.int32] = field(default_factory=lambda: np.zeros((0, 2), np.int32))
-    """(m, 2) atom indices, each bond once."""
-    bond_order: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
-    """(m,): 1, 2, 3; 4 aromatic; 0 unknown."""
+    secondary: Deferred[NDArray[np.uint8]] = Deferred(
+        lambda molecule: np.full(len(molecule.residue_name), COIL, np.uint8)
+    )
+    """Per residue: COIL, HELIX or STRAND; worked out on first use."""
+    bonds: Deferred[NDArray[np.int32]] = Deferred(lambda molecule: np.zeros((0, 2), np.int32))
+    """(m, 2) atom indices, each bond once, lower index first; worked out on first use."""
+    bond_order: Deferred[NDArray[np.uint8]] = Deferred(
+        lambda molecule: np.zeros(len(molecule.bonds), np.uint8)
+    )
+    """(m,): 1, 2, 3; 4 aromatic; 0 unknown; worked out on first use."""
 
     assemblies: dict[str, tuple[AssemblyPart, ...]] = field(default_factory=dict)
     """Biological assemblies by their id in the file."""
@@ -84,7 +125,7 @@ class Molecule:
     notes: tuple[str, ...] = ()
     """What the reader mended or dropped, one sentence each."""
     secondary_from: str = ""
-    """``"file"`` or ``"assigned"``."""
+    """``"file"`` or ``"assigned"`` (P-SEA)."""
     radius: NDArray[np.float32] | None = None
     """Per-atom radii where the file gives them (sphere files, coarse grains); else None."""
 

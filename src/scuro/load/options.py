@@ -1,0 +1,36 @@
+"""What to read of a file: the options of :func:`scuro.load.load`."""
+
+from __future__ import annotations
+
+from scuro.errors import SettingsError
+from scuro.settings import SettingsGroup, setting
+
+
+def _check_model(value: str) -> None:
+    if value not in ("first", "all") and not value.removeprefix("-").isdigit():
+        raise SettingsError(f"model is 'first', 'all' or a model's number, not '{value}'")
+
+
+def _check_altloc(value: str) -> None:
+    if value not in ("highest", "all") and not (len(value) == 1 and value.isprintable()):
+        raise SettingsError(
+            f"altloc is 'highest' (occupancy), 'all' or one location's letter, not '{value}'"
+        )
+
+
+class LoadOptions(SettingsGroup):
+    """What to keep of a structure's atoms."""
+
+    model: str = setting(
+        "first",
+        "which model of several to read: first, all, or its number (in SD files: the record)",
+        check=_check_model,
+    )
+    altloc: str = setting(
+        "highest",
+        "alternate locations: those of highest occupancy, all, or one letter",
+        check=_check_altloc,
+    )
+    hydrogens: bool = setting(True, "keep hydrogen atoms")
+    waters: bool = setting(True, "keep water")
+    ligands: bool = setting(True, "keep ligands and ions")
