@@ -14,7 +14,8 @@ class Volume:
     """Scalar samples on a regular grid (compared and cached by identity)."""
 
     values: NDArray
-    """(nz, ny, nx): x fastest, the layout of a GPU's 3-D texture; uint8, int16, uint16, float32."""
+    """(nz, ny, nx): x fastest, the layout of a GPU's 3-D texture; uint8, int16, uint16, float32.
+    All finite: readers replace NaN and infinities by the lowest value and say so in ``notes``."""
     world_from_index: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
     """(4, 4), column vectors (x, y, z, 1): integer indices are voxel *centres*."""
     name: str = ""
@@ -24,6 +25,10 @@ class Volume:
     source: str = ""
     notes: tuple[str, ...] = ()
     """What the reader mended (NaN counted, axes permuted, levels chosen), one sentence each."""
+    anatomical: bool = False
+    """Whether the world is a patient's: x to the right, y anterior, z superior (RAS)."""
+    labels: bool = False
+    """Whether the values are names of classes, between which nothing may be interpolated."""
 
     @cached_property
     def spacing(self) -> NDArray[np.float64]:
@@ -32,11 +37,13 @@ class Volume:
 
     @cached_property
     def value_range(self) -> tuple[float, float]:
-        """Smallest and largest finite value."""
-        if self.values.dtype.kind == "f":
-            finite = self.values[np.isfinite(self.values)]
-            return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+        """Smallest and largest value."""
         return float(self.values.min()), float(self.values.max())
+
+    @cached_property
+    def histogram(self) -> NDArray[np.int64]:
+        """(256,) voxels in equal bins over :attr:`value_range`."""
+        return np.histogram(self.values, bins=256, range=_open_range(*self.value_range))[0]
 
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
@@ -52,3 +59,25 @@ class Volume:
         )
         world = (corners @ self.world_from_index.T)[:, :3]
         return np.stack([world.min(axis=0), world.max(axis=0)])
+
+    def summary(self) -> dict[str, object]:
+        """What ``scuro info`` prints: dimensions, spacing, range, a coarse histogram, notes."""
+        nz, ny, nx = self.values.shape
+        coarse = self.histogram.reshape(16, 16).sum(axis=1)
+        return {
+            "dimensions": [nx, ny, nz],
+            "type": self.values.dtype.name,
+            "spacing": [round(float(s), 6) for s in self.spacing],
+            "unit": self.unit,
+            "bounds": np.round(self.bounds, 4).tolist(),
+            "range": list(self.value_range),
+            "mean": float(self.values.mean(dtype=np.float64)),
+            "labels": self.labels,
+            "histogram": coarse.tolist(),
+            "notes": list(self.notes),
+        }
+
+
+def _open_range(low: float, high: float) -> tuple[float, float]:
+    """A range that ``numpy.histogram`` takes, also for a constant volume."""
+    return (low, high) if high > low else (low - 0.5, high + 0.5)

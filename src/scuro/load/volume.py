@@ -1,0 +1,225 @@
+"""Scalar volumes: from any reader's array to a :class:`Volume` (dtype, NaN, axes, spacing)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.errors import LoadError, SettingsError
+from scuro.load.volume_blocks import MAX_VOXELS, reduce_blocks, reduction
+from scuro.scene.volume import Volume
+
+GPU_TYPES = ("uint8", "int16", "uint16", "float32")
+"""Types that :attr:`Volume.values` may have."""
+
+MOST_LABELS = 64
+"""Integer volumes with at most so many distinct values may be label maps."""
+
+
+@dataclass(frozen=True)
+class VolumeOptions:
+    """What the user may say about a volume that its file does not, or that has to be chosen."""
+
+    size: tuple[int, int, int] | None = None
+    """Voxels along x, y, z (raw files)."""
+    dtype: str | None = None
+    """Type of the samples of a raw file, e.g. ``u8``, ``int16``, ``>f4`` (big-endian)."""
+    header: int = 0
+    """Bytes to skip at the start of a raw file."""
+    spacing: tuple[float, float, float] | None = None
+    """Edge lengths of a voxel, instead of the file's."""
+    time: int = 0
+    """Which time step, counted from 0."""
+    channel: int = 0
+    """Which channel or component, counted from 0."""
+    array: str | None = None
+    """Which array of a file that holds several (npz, zarr, vti)."""
+    series: str | None = None
+    """Which DICOM series of a folder (its UID, or the end of it)."""
+    max_voxels: int = MAX_VOXELS
+    """Larger volumes are averaged in blocks until they fit."""
+
+    def __post_init__(self) -> None:
+        if self.spacing is not None:
+            check_spacing(self.spacing, SettingsError)
+        if self.size is not None and (len(self.size) != 3 or min(self.size) < 1):
+            raise SettingsError(f"a volume's size is three positive numbers, not {self.size}")
+        if min(self.time, self.channel, self.header) < 0:
+            raise SettingsError("time, channel and header count from 0")
+        if self.max_voxels < 1:
+            raise SettingsError("max_voxels must be at least 1")
+
+
+def check_spacing(spacing: Sequence[float], error: Callable[[str], Exception]) -> None:
+    """Raise ``error`` unless all spacings are positive and finite."""
+    if len(spacing) != 3 or not all(math.isfinite(s) and s > 0 for s in spacing):
+        shown = ", ".join(f"{s:g}" for s in spacing)
+        raise error(
+            f"the voxel spacing ({shown}) must be three positive numbers; give it with --spacing"
+        )
+
+
+def finished(
+    path: str | Path,
+    values: NDArray,
+    world_from_index: NDArray | None = None,
+    *,
+    options: VolumeOptions,
+    notes: Sequence[str] = (),
+    **fields: Any,
+) -> Volume:
+    """A :class:`Volume` of a reader's array: blocks averaged if too large, type, NaN, spacing.
+
+    Args:
+        path: The file, for messages and for the volume's name.
+        values: (nz, ny, nx), any real type; may be a memory map or other lazily read array.
+        world_from_index: (4, 4); identity if None.
+        options: What the user said.
+        notes: What the reader has to tell.
+        fields: Further fields of :class:`Volume`.
+
+    Raises:
+        LoadError: not three-dimensional, empty, complex, no finite value, or bad spacing.
+    """
+    told = list(notes)
+    values = _three_dimensional(path, values)
+    matrix = np.eye(4) if world_from_index is None else np.array(world_from_index, np.float64)
+    if options.spacing is not None:
+        matrix = _with_spacing(matrix, options.spacing)
+    if not np.isfinite(matrix).all():
+        raise LoadError(path, "the position or orientation of the volume is not finite")
+    check_spacing(np.linalg.norm(matrix[:3, :3], axis=0), lambda why: LoadError(path, why))
+    if abs(np.linalg.det(matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0))) < 1e-6:
+        raise LoadError(path, "the volume's axes lie in one plane; its orientation is damaged")
+
+    factors = reduction(values.shape, options.max_voxels)
+    if factors != (1, 1, 1):
+        told.append(_reduction_note(values.shape, factors, options.max_voxels))
+        values = reduce_blocks(values, factors)
+        fz, fy, fx = factors
+        # a block's centre lies (factor - 1) / 2 voxels from its first voxel's
+        shift = np.eye(4)
+        shift[:3, :3] = np.diag([fx, fy, fz])
+        shift[:3, 3] = (fx - 1) / 2, (fy - 1) / 2, (fz - 1) / 2
+        matrix = matrix @ shift
+    values, lost = canonical(path, np.asarray(values))
+    told.extend(lost)
+    if values.min() == values.max():
+        told.append(f"all voxels have the same value, {values.flat[0]:g}: there is nothing to see")
+    fields.setdefault("labels", looks_like_labels(values))
+    name = fields.pop("name", "") or Path(path).name.split(".")[0]
+    return Volume(values, matrix, name=name, source=str(path), notes=tuple(told), **fields)
+
+
+def canonical(path: str | Path, values: NDArray) -> tuple[NDArray, list[str]]:
+    """Values in one of :data:`GPU_TYPES`, contiguous and finite, and notes of what was changed.
+
+    Integers keep an integer type that holds their range, if there is one; NaN and infinities
+    become the lowest finite value, which transfer functions show as empty.
+    """
+    kind = values.dtype.kind
+    if kind == "c":
+        raise LoadError(path, "the voxels are complex numbers; save their modulus instead")
+    if kind not in "buif":
+        raise LoadError(path, f"the voxels have type {values.dtype}, which is not a number")
+    if kind == "b":
+        values = values.astype(np.uint8)
+    if kind in "ui" and values.dtype.name not in GPU_TYPES:
+        low, high = int(values.min()), int(values.max())
+        for name in ("uint8", "int16", "uint16"):
+            if np.iinfo(name).min <= low and high <= np.iinfo(name).max:
+                return np.ascontiguousarray(values, dtype=name), []
+    if values.dtype.kind in "ui" and values.dtype.name in GPU_TYPES:
+        return np.ascontiguousarray(values, values.dtype.newbyteorder("=")), []
+    with np.errstate(over="ignore"):  # float64 beyond float32's range becomes inf: counted below
+        values = np.ascontiguousarray(values, dtype=np.float32)
+    finite = np.isfinite(values)
+    missing = values.size - int(np.count_nonzero(finite))
+    if missing == 0:
+        return values, []
+    if missing == values.size:
+        raise LoadError(path, "no voxel has a finite value")
+    lowest = values[finite].min()
+    values = np.where(finite, values, lowest).astype(np.float32)
+    share = 100 * missing / values.size
+    return values, [
+        f"{missing:,} voxels ({share:.2g} %) are NaN or infinite: taken as empty ({lowest:g})"
+    ]
+
+
+def looks_like_labels(values: NDArray) -> bool:
+    """Whether integer values are few, small and separate enough to be classes, not intensities.
+
+    Classes come in slabs: neighbouring voxels are mostly equal, and where they differ, they differ
+    by any amount; intensities with few grey levels still change by one or two at a time.
+    """
+    if values.dtype.kind not in "ui" or values.max() >= 4096 or values.min() < -1:
+        return False
+    if np.unique(values[:: max(1, values.shape[0] // 16)]).size > MOST_LABELS:
+        return False
+    if not 2 < np.unique(values).size <= MOST_LABELS:
+        return False
+    x = values.astype(np.int32)
+    steps = np.abs(np.diff(x, axis=2))
+    return bool(np.count_nonzero(steps) < 0.2 * steps.size)
+
+
+def choose(path: str | Path, values: Any, axis: int, index: int, what: str) -> Any:
+    """One step along a time or channel axis of an array.
+
+    Raises:
+        LoadError: there are not so many.
+    """
+    count = values.shape[axis]
+    if index >= count:
+        raise LoadError(path, f"there is no {what} {index}: the file has {count}, counted from 0")
+    return values[(slice(None),) * axis + (index,)]
+
+
+def with_note(volume: Volume, note: str) -> Volume:
+    """The same volume with one more note."""
+    return replace(volume, notes=(*volume.notes, note))
+
+
+def affine(spacing: Sequence[float], origin: Sequence[float] = (0, 0, 0)) -> NDArray[np.float64]:
+    """(4, 4) world-from-index matrix of axis-aligned voxels."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.diag(np.asarray(spacing, np.float64))
+    matrix[:3, 3] = origin
+    return matrix
+
+
+def _three_dimensional(path: str | Path, values: NDArray) -> NDArray:
+    if values.ndim == 2:
+        values = values[None]
+    if values.ndim != 3:
+        shape = "x".join(map(str, values.shape))
+        raise LoadError(path, f"a volume has three axes, but the array is {shape}")
+    if 0 in values.shape:
+        raise LoadError(path, "the volume has no voxels")
+    return values
+
+
+def _with_spacing(matrix: NDArray, spacing: Sequence[float]) -> NDArray:
+    """``matrix`` with its columns scaled to new edge lengths, directions and origin kept."""
+    scaled = matrix.copy()
+    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
+    for axis, (length, wanted) in enumerate(zip(lengths, spacing, strict=True)):
+        column = matrix[:3, axis] / length if length > 0 else np.eye(3)[axis]
+        scaled[:3, axis] = column * wanted
+    return scaled
+
+
+def _reduction_note(shape: Sequence[int], factors: Sequence[int], limit: int) -> str:
+    size = "x".join(map(str, shape[::-1]))
+    blocks = "x".join(map(str, factors[::-1]))
+    return (
+        f"{size} voxels are more than the limit ({limit:,} voxels, 2048 a side): "
+        f"read as means of {blocks} blocks"
+    )
