@@ -228,7 +228,7 @@ def _checked_element(p: Parameter, value: Any) -> Any:
         if p.choices is not None and value not in p.choices:
             raise SettingsError(unknown(p.name, value, p.choices))
         return value
-    if isinstance(value, bool) or isinstance(value, str):
+    if isinstance(value, (bool, str)):
         raise SettingsError(f"{p.name} needs a number, not {value!r}")
     try:
         number = p.type(value)
