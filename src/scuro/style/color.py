@@ -1,0 +1,292 @@
+"""Colour schemes: what is said of an atom becomes its base colour.
+
+A scheme is written ``NAME``, ``NAME:MAP`` or ``NAME:MAP:LOW:HIGH`` (colour map and the values at
+its ends), each optionally followed by ``+element``, which leaves the scheme on carbon and gives
+every other element its own colour, as chemists like it: ``chain+element``, ``bfactor:viridis``,
+``bfactor:magma:10:80``, ``tomato``, ``#7fc97f+element``.
+"""
+
+from __future__ import annotations
+
+import difflib
+import logging
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.errors import SettingsError
+from scuro.scene.molecule import POLYMER_NUCLEIC, POLYMER_PROTEIN, Molecule
+from scuro.style import palettes
+
+CARBON, UNKNOWN_ELEMENT = 6, 0
+
+
+def atom_colors(molecule: Molecule, scheme: str = "element") -> NDArray[np.uint8]:
+    """Base colour (n, 4) of every atom, sRGB with full alpha, by a scheme (see the module).
+
+    Raises:
+        SettingsError: The scheme, the colour or the colour map is not known.
+    """
+    wanted = parse_scheme(scheme)
+    rgb = wanted.paint(molecule)
+    if wanted.hetero_by_element:
+        hetero = (molecule.element != CARBON) & (molecule.element != UNKNOWN_ELEMENT)
+        rgb = np.where(hetero[:, None], by_element(molecule), rgb)
+    return np.concatenate([rgb, np.full((len(molecule), 1), 255, np.uint8)], axis=1)
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """A colour scheme ready for use; ``paint`` gives sRGB (n, 3)."""
+
+    paint: Callable[[Molecule], NDArray[np.uint8]]
+    hetero_by_element: bool = False
+
+
+def parse_scheme(text: str) -> Scheme:
+    """Read a scheme as users write it.
+
+    Raises:
+        SettingsError: It is not known; the nearest known name is suggested.
+    """
+    body, plus, extra = text.strip().partition("+")
+    if plus and extra.strip().lower() not in ("element", "byelement"):
+        raise SettingsError(f"colour '{text}': only '+element' can be added to a scheme")
+    name, *rest = body.strip().split(":")
+    key = name.strip().lower()
+    if key in HETERO_ALIASES:
+        key, plus = HETERO_ALIASES[key], "+"
+    key = ALIASES.get(key, key)
+    if key in VALUES:
+        return Scheme(_mapped(text, VALUES[key], rest), bool(plus))
+    if rest:
+        raise SettingsError(
+            f"colour '{text}': only {', '.join(VALUES)} take a colour map, not '{name}'"
+        )
+    if key in CATEGORIES:
+        return Scheme(CATEGORIES[key], bool(plus))
+    fixed = np.array(parse_color(name)[:3], np.uint8)
+    return Scheme(lambda molecule: np.tile(fixed, (len(molecule), 1)), bool(plus))
+
+
+def parse_color(text: str) -> tuple[int, int, int, int]:
+    """sRGB and alpha, 0 to 255, of a CSS colour name, ``#rgb``, ``#rrggbb`` or ``rgb(r, g, b)``."""
+    import cmap
+
+    try:
+        color = cmap.Color(text.strip()).rgba8
+    except (ValueError, TypeError):
+        raise SettingsError(_unknown_color(text)) from None
+    return color.r, color.g, color.b, round(255 * color.a)
+
+
+def color_map(name: str) -> Callable[[NDArray], NDArray[np.uint8]]:
+    """A colour map of the ``cmap`` catalogue, from values 0 to 1 (n,) to sRGB (n, 3)."""
+    import cmap
+
+    logging.getLogger("cmap").setLevel(logging.ERROR)  # it warns of names in two catalogues
+    try:
+        found = cmap.Colormap(name)
+    except (ValueError, TypeError):
+        near = difflib.get_close_matches(name, cmap.Catalog().short_keys(), n=3)
+        hint = f"did you mean {' or '.join(near)}? " if near else ""
+        raise SettingsError(
+            f"unknown colour map '{name}': {hint}any map of the cmap library will do,"
+            " such as viridis, magma, cividis, turbo or crameri:batlow"
+        ) from None
+    return lambda values: np.round(255 * np.asarray(found(values))[..., :3]).astype(np.uint8)
+
+
+def by_element(molecule: Molecule) -> NDArray[np.uint8]:
+    """Jmol's colours."""
+    return palettes.jmol()[molecule.element]
+
+
+def by_cpk(molecule: Molecule) -> NDArray[np.uint8]:
+    """Corey, Pauling and Koltun's colours."""
+    return palettes.cpk()[molecule.element]
+
+
+def by_chain(molecule: Molecule) -> NDArray[np.uint8]:
+    """One colour a chain name, so that equal chains of several models agree."""
+    _, first, code = np.unique(molecule.chain_names, return_index=True, return_inverse=True)
+    order = np.argsort(np.argsort(first))  # palette in order of appearance, not of the alphabet
+    return _distinct(order[code][molecule.chain] if len(molecule) else molecule.chain)
+
+
+def by_entity(molecule: Molecule) -> NDArray[np.uint8]:
+    """One colour for all chains of one sequence or substance."""
+    return _distinct(molecule.chain_entity[molecule.chain])
+
+
+def by_model(molecule: Molecule) -> NDArray[np.uint8]:
+    """One colour a model."""
+    return _distinct(np.unique(molecule.model, return_inverse=True)[1])
+
+
+def by_residue(molecule: Molecule) -> NDArray[np.uint8]:
+    """RasMol's colours of amino acids and bases."""
+    return _by_residue_name(molecule, palettes.residues(), palettes.OTHER_RESIDUE)
+
+
+def by_secondary(molecule: Molecule) -> NDArray[np.uint8]:
+    """Helix, strand and coil of proteins; nucleic acids in one colour, the rest by element."""
+    kind = molecule.kind[:, None]
+    rgb = np.where(
+        kind == POLYMER_PROTEIN,
+        palettes.SECONDARY[molecule.secondary[molecule.residue]],
+        by_element(molecule),
+    )
+    return np.where(kind == POLYMER_NUCLEIC, np.uint8(palettes.NUCLEIC), rgb)
+
+
+def by_illustration(molecule: Molecule) -> NDArray[np.uint8]:
+    """Goodsell's manner: a pastel for each chain, paler on carbon than on the other elements."""
+    count = len(molecule.chain_names)
+    carbon = (molecule.element == CARBON)[:, None]
+    pale, deep = palettes.pastel(count, 0.86), palettes.pastel(count, 0.77)
+    return np.where(carbon, pale[molecule.chain], deep[molecule.chain])
+
+
+def by_plddt(molecule: Molecule) -> NDArray[np.uint8]:
+    """AlphaFold's four bands of confidence, read from the B-factor column."""
+    return palettes.PLDDT[np.searchsorted([50.0, 70.0, 90.0], molecule.b_factor, side="right")]
+
+
+def residue_rank(molecule: Molecule) -> NDArray[np.float32]:
+    """Place of each atom's residue along its chain's polymer, 0 to 1; NaN outside polymers."""
+    value = np.full(len(molecule), np.nan, np.float32)
+    chain_polymer = polymer_atoms(molecule)
+    if not chain_polymer.any():
+        return value
+    residue, chain = molecule.residue[chain_polymer], molecule.chain[chain_polymer]
+    first = np.full(len(molecule.chain_names), np.iinfo(np.int32).max)
+    last = np.zeros(len(molecule.chain_names), np.int64)
+    np.minimum.at(first, chain, residue)
+    np.maximum.at(last, chain, residue)
+    value[chain_polymer] = (residue - first[chain]) / np.maximum(last - first, 1)[chain]
+    return value
+
+
+def polymer_atoms(molecule: Molecule) -> NDArray[np.bool_]:
+    """Which atoms (n,) belong to a protein or a nucleic acid."""
+    return (molecule.kind == POLYMER_PROTEIN) | (molecule.kind == POLYMER_NUCLEIC)
+
+
+def _hydropathy(molecule: Molecule) -> NDArray[np.float32]:
+    names, code = np.unique(molecule.residue_name, return_inverse=True)
+    scale = np.array([palettes.HYDROPATHY.get(n.upper(), np.nan) for n in names], np.float32)
+    return scale[code][molecule.residue] if len(molecule) else np.zeros(0, np.float32)
+
+
+@dataclass(frozen=True)
+class _Quantity:
+    """A number per atom (n,), its usual colour map, and the range that it has by itself."""
+
+    values: Callable[[Molecule], NDArray]
+    map: str
+    low: float = math.nan
+    high: float = math.nan
+
+
+VALUES: dict[str, _Quantity] = {
+    "bfactor": _Quantity(lambda m: m.b_factor, "colorbrewer:RdYlBu_r"),
+    "occupancy": _Quantity(lambda m: m.occupancy, "bids:viridis", 0.0, 1.0),
+    "charge": _Quantity(lambda m: m.formal_charge.astype(np.float32), "colorbrewer:RdBu", -2, 2),
+    "sequence": _Quantity(residue_rank, "google:turbo", -0.06, 1.05),  # without turbo's dark ends
+    "hydrophobicity": _Quantity(_hydropathy, "colorbrewer:BrBG_r", -4.5, 4.5),
+}
+"""Schemes that go through a colour map. Atoms without a value are coloured by element."""
+
+CATEGORIES: dict[str, Callable[[Molecule], NDArray[np.uint8]]] = {
+    "element": by_element,
+    "cpk": by_cpk,
+    "chain": by_chain,
+    "entity": by_entity,
+    "model": by_model,
+    "residue": by_residue,
+    "secondary": by_secondary,
+    "illustrative": by_illustration,
+    "plddt": by_plddt,
+}
+
+ALIASES = {
+    "byelement": "element", "element-symbol": "element", "jmol": "element", "elem": "element",
+    "bychain": "chain", "chain-id": "chain", "chainbow": "sequence", "bypolymer": "entity",
+    "entity-id": "entity", "bymodel": "model", "bynucleotide": "residue", "byresidue": "residue",
+    "residue-name": "residue", "resn": "residue", "ss": "secondary", "structure": "secondary",
+    "secondary-structure": "secondary", "b": "bfactor", "b-factor": "bfactor",
+    "uncertainty": "bfactor", "confidence": "plddt", "rainbow": "sequence",
+    "sequence-id": "sequence", "kyte-doolittle": "hydrophobicity", "formal-charge": "charge",
+}  # fmt: skip
+"""Names that other programs give the same schemes."""
+HETERO_ALIASES = {"byhet": "chain", "byhetero": "chain"}
+
+
+def scheme_names() -> tuple[str, ...]:
+    """All schemes by their own names."""
+    return (*CATEGORIES, *VALUES)
+
+
+def _mapped(
+    text: str, quantity: _Quantity, options: list[str]
+) -> Callable[[Molecule], NDArray[np.uint8]]:
+    """Painter for a quantity with the options written after it: map, low, high."""
+    if len(options) == 2 or len(options) >= 4:  # a map's own name may hold a colon
+        options = [":".join(options[:2]), *options[2:]]
+    if len(options) not in (0, 1, 3):
+        raise SettingsError(f"colour '{text}': write it as scheme:map or scheme:map:low:high")
+    look_up = color_map(options[0] if options else quantity.map)
+    low, high = quantity.low, quantity.high
+    if len(options) == 3:
+        try:
+            low, high = float(options[1]), float(options[2])
+        except ValueError:
+            raise SettingsError(f"colour '{text}': the ends of the map must be numbers") from None
+        if not (math.isfinite(low) and math.isfinite(high)) or low == high:
+            raise SettingsError(f"colour '{text}': the ends of the map must be two finite numbers")
+
+    def paint(molecule: Molecule) -> NDArray[np.uint8]:
+        values = quantity.values(molecule)
+        known = np.isfinite(values)
+        if not known.any():
+            return by_element(molecule)
+        ends = (low, high) if math.isfinite(low) else _spread(values[known])
+        share = (np.where(known, values, ends[0]) - ends[0]) / (ends[1] - ends[0])
+        rgb = look_up(np.clip(share, 0.0, 1.0))
+        return np.where(known[:, None], rgb, by_element(molecule))
+
+    return paint
+
+
+def _spread(values: NDArray) -> tuple[float, float]:
+    """Range for a colour map: all but the outermost two per cent, which would wash out the rest."""
+    low, high = np.percentile(values, [2.0, 98.0])
+    return (float(low), float(high)) if high > low else (float(low) - 0.5, float(low) + 0.5)
+
+
+def _distinct(code: NDArray) -> NDArray[np.uint8]:
+    return palettes.distinct(int(code.max()) + 1 if len(code) else 0)[code]
+
+
+def _by_residue_name(
+    molecule: Molecule, table: dict[str, tuple[int, int, int]], other: tuple[int, int, int]
+) -> NDArray[np.uint8]:
+    names, code = np.unique(molecule.residue_name, return_inverse=True)
+    colors = np.array([table.get(name.upper(), other) for name in names], np.uint8).reshape(-1, 3)
+    return colors[code[molecule.residue]]
+
+
+def _unknown_color(text: str) -> str:
+    from PIL.ImageColor import colormap as css_names
+
+    names = (*scheme_names(), *ALIASES, *css_names)
+    near = difflib.get_close_matches(text.strip().lower(), names, n=1)
+    hint = f"did you mean '{near[0]}'? " if near else ""
+    return (
+        f"unknown colour '{text}': {hint}known are the schemes {', '.join(scheme_names())},"
+        " CSS colour names and #rrggbb"
+    )
