@@ -140,7 +140,7 @@ class Gpu:
             )
 
     def texture_from(self, data: NDArray, format: str, *, dimension: str = "2d") -> Any:
-        """A texture filled from (height, width[, channels]) or (depth, height, width[, channels])."""
+        """A texture filled from ([depth,] height, width[, channels])."""
         base = 3 if dimension == "3d" else 2
         size = data.shape[:base][::-1]
         texture = self.texture(size, format, dimension=dimension)

@@ -155,6 +155,11 @@ def _fill(
         if isinstance(value, Mapping):
             _fill(out[key], field, value, file, f"{name}.{key}")
             continue
+        if base.names and base.names != ("v",):
+            # an array of structs may be given in part, from its start
+            for i, element in enumerate(value):
+                _fill(out[key][i, ...], base, element, file, f"{name}.{key}")
+            continue
         array = np.asarray(value)
         if array.ndim == 2 and base == np.float32 and len(field.shape) == 2:
             # a matrix: columns are stored one after the other, each padded to four rows

@@ -83,8 +83,13 @@ class Programs:
         self._programs: dict[tuple, Program] = {}
 
     def compute(self, shader: str | Source, entry: str, constants: Mapping[str, float]) -> Program:
-        """The compute program of an entry point with given ``override`` values."""
+        """The compute program of an entry point with given ``override`` values.
+
+        Constants that the shader does not declare are left out, so that a frame's can be given
+        whole.
+        """
         source = load(shader) if isinstance(shader, str) else shader
+        constants = {k: v for k, v in constants.items() if k in source.overrides}
         key = (source.text, entry, tuple(sorted(constants.items())))
         if key not in self._programs:
             if entry not in source.workgroups:
@@ -117,6 +122,7 @@ class Programs:
     ) -> Program:
         """The render program of two entry points for given target formats."""
         source = load(shader) if isinstance(shader, str) else shader
+        constants = {k: v for k, v in constants.items() if k in source.overrides}
         key = (
             source.text, entries, formats, depth, tuple(sorted(constants.items())), topology,
             repr(blend),

@@ -80,6 +80,8 @@ class Source:
     structs: dict[str, WgslType]
     workgroups: dict[str, tuple[int, int, int]]
     """Workgroup size of each compute entry point."""
+    overrides: frozenset[str]
+    """Names of the ``override`` constants."""
 
     def where(self, line: int) -> tuple[str, int]:
         """The file and its line for a one-based line of ``text``."""
@@ -120,7 +122,9 @@ def parse(text: str, file: str, lines: tuple[tuple[str, int], ...]) -> Source:
     for m in _ENTRY.finditer(text):
         size = [int(s.strip().rstrip("u")) for s in m.group(1).split(",") if s.strip()]
         workgroups[m.group(2)] = (*size, 1, 1)[:3]
-    return Source(file, text, lines, bindings, parse_structs(text, file), workgroups)  # type: ignore[arg-type]
+    overrides = frozenset(re.findall(r"^\s*override\s+(\w+)", text, re.M))
+    structs = parse_structs(text, file)
+    return Source(file, text, lines, bindings, structs, workgroups, overrides)  # type: ignore[arg-type]
 
 
 def _expand(

@@ -57,22 +57,12 @@ class Geometry:
     @cached_property
     def bounds(self) -> NDArray[np.float32]:
         """(2, 3) lowest and highest corner of the axis-aligned box around all primitives."""
-        boxes = []
-        for ends in (self.spheres, self.rods.reshape(-1, 4)):
-            if len(ends):
-                boxes.append(
-                    [
-                        (ends[:, :3] - ends[:, 3:]).min(axis=0),
-                        (ends[:, :3] + ends[:, 3:]).max(axis=0),
-                    ]
-                )
-        if len(self.triangles):
-            corners = self.triangles.reshape(-1, 3)
-            boxes.append([corners.min(axis=0), corners.max(axis=0)])
-        if not boxes:
+        ends = np.concatenate([self.spheres, self.rods.reshape(-1, 4)])
+        corners = self.triangles.reshape(-1, 3)
+        points = np.concatenate([ends[:, :3] - ends[:, 3:], ends[:, :3] + ends[:, 3:], corners])
+        if len(points) == 0:
             return np.zeros((2, 3), np.float32)
-        stack = np.array(boxes, np.float32)
-        return np.stack([stack[:, 0].min(axis=0), stack[:, 1].max(axis=0)])
+        return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
 @dataclass(frozen=True)

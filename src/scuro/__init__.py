@@ -1,0 +1,52 @@
+"""scuro: occlusion and shadow for molecules, cell-scale models, volumes and reservoirs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Camera": "scuro.scene.camera",
+    "Clip": "scuro.scene.clip",
+    "Image": "scuro.image",
+    "Light": "scuro.scene.lights",
+    "Lighting": "scuro.scene.lights",
+    "Material": "scuro.scene.geometry",
+    "Plane": "scuro.scene.clip",
+    "Renderer": "scuro.render",
+    "Scene": "scuro.scene.scene",
+    "ScuroError": "scuro.errors",
+    "Settings": "scuro.render_settings",
+    "load": "scuro.load",
+    "render": "scuro.render",
+}
+"""Where each public name lives; loaded on first use, so that ``import scuro`` costs nothing."""
+
+__all__ = ["__version__", *sorted(_HOME)]
+
+if TYPE_CHECKING:
+    from scuro.errors import ScuroError
+    from scuro.image import Image
+    from scuro.load import load
+    from scuro.render import Renderer, render
+    from scuro.render_settings import Settings
+    from scuro.scene.camera import Camera
+    from scuro.scene.clip import Clip, Plane
+    from scuro.scene.geometry import Material
+    from scuro.scene.lights import Light, Lighting
+    from scuro.scene.scene import Scene
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'scuro' has no attribute '{name}'")
+    import importlib
+
+    value = getattr(importlib.import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,28 @@
+"""Deferred shading and the encoding of the picture."""
+
+from __future__ import annotations
+
+from scuro.passes.frame import Frame
+from scuro.style.paint import linear_rgba
+
+
+def shade(frame: Frame) -> None:
+    """Light the G-buffer: ``color``, linear and premultiplied."""
+    white = frame.resources.get("visibility")
+    constants = {
+        "HAS_OCCLUSION": white is not None,
+        "HAS_SHADOWS": "shadow" in frame.resources,
+    }
+    resources = {
+        "visibility": white or frame.target("white", "r32float", size=(1, 1)),
+        "shadow": frame.resources.get("shadow") or frame.target("white", "r32float", size=(1, 1)),
+    }
+    frame.target("color", "rgba16float")
+    frame.compute("passes/compose/shade.wgsl", resources, constants=constants)
+
+
+def encode(frame: Frame) -> None:
+    """Turn ``color`` into ``picture``: sRGB, over the background or with straight alpha."""
+    frame.target("picture", "rgba8unorm")
+    background = linear_rgba(frame.settings.background)
+    frame.compute("passes/compose/encode.wgsl", {"encode": {"background": background}})

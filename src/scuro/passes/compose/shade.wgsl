@@ -1,0 +1,64 @@
+// Deferred shading in linear color: ambient x visibility + each light x its shadow. Occlusion never
+// darkens the directly lit part: that is the shadows' task.
+
+//#include "view.wgsl"
+//#include "scene.wgsl"
+//#include "lights.wgsl"
+
+@group(2) @binding(0) var<uniform> lights: Lights;
+@group(2) @binding(1) var surface: texture_2d<f32>;
+@group(2) @binding(2) var albedo: texture_2d<f32>;
+@group(2) @binding(3) var ids: texture_2d<u32>;
+// 1 = open
+@group(2) @binding(4) var visibility: texture_2d<f32>;
+// 1 = lit, one layer a shadow-casting light
+@group(2) @binding(5) var shadow: texture_2d_array<f32>;
+// linear, premultiplied by alpha
+@group(2) @binding(6) var color: texture_storage_2d<rgba16float, write>;
+
+override HAS_OCCLUSION: bool = false;
+override HAS_SHADOWS: bool = false;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let size = textureDimensions(color);
+    if (any(id.xy >= size)) {
+        return;
+    }
+    let texel = textureLoad(surface, id.xy, 0);
+    if (texel.w <= 0.0) {
+        textureStore(color, id.xy, vec4f(0.0));
+        return;
+    }
+    let pixel = vec2f(id.xy) + 0.5;
+    let base = textureLoad(albedo, id.xy, 0).rgb;
+    let object = textureLoad(ids, id.xy, 0).z;
+    let position = scene_position(pixel, texel.w);
+    let normal = texel.xyz;
+    let to_eye = -scene_ray(pixel).direction;
+    let diffuse = objects[object].diffuse;
+    let specular = objects[object].specular;
+    let shininess = objects[object].shininess;
+
+    var open = 1.0;
+    if (HAS_OCCLUSION) {
+        open = textureLoad(visibility, id.xy, 0).x;
+    }
+    var sum = base * lights.ambient * open;
+    for (var i = 0u; i < lights.count; i += 1u) {
+        let light = lights.list[i];
+        let arriving = incoming_light(light, position);
+        let facing = dot(normal, arriving.direction);
+        if (facing <= 0.0) {
+            continue;
+        }
+        var lit = 1.0;
+        if (HAS_SHADOWS && light.shadow >= 0) {
+            lit = textureLoad(shadow, id.xy, light.shadow, 0).x;
+        }
+        let between = normalize(arriving.direction + to_eye);
+        let shine = specular * pow(max(dot(normal, between), 0.0), shininess);
+        sum += lit * arriving.color * (base * diffuse * facing + shine * smoothstep(0.0, 0.2, facing));
+    }
+    textureStore(color, id.xy, vec4f(sum, 1.0));
+}

@@ -1,0 +1,132 @@
+"""What one frame's passes share: the recorder, named textures and uniforms, camera and settings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.gpu import Gpu, Recorder
+from scuro.scene.camera import Camera
+from scuro.trace import Accelerator
+
+if TYPE_CHECKING:
+    from scuro.render_settings import Settings
+
+
+class TargetPool:
+    """Textures kept between frames by name, size and format."""
+
+    def __init__(self, gpu: Gpu) -> None:
+        self._gpu = gpu
+        self._held: dict[str, tuple[tuple, Any]] = {}
+
+    def get(self, name: str, size: Sequence[int], format: str, attachment: bool = False) -> Any:
+        """The texture of that name, made anew if size or format changed."""
+        key = (*size, format, attachment)
+        held = self._held.get(name)
+        if held is None or held[0] != key:
+            texture = self._gpu.texture(size, format, attachment=attachment, label=name)
+            self._held[name] = held = (key, texture)
+        return held[1]
+
+    @property
+    def bytes(self) -> int:
+        """GPU memory held."""
+        texel = {"r32float": 4, "rg32float": 8, "rgba8unorm": 4, "depth32float": 4, "r32uint": 4}
+        return sum(
+            int(np.prod(key[:-2])) * texel.get(key[-2], 16 if "32" in key[-2] else 8)
+            for key, _ in self._held.values()
+        )
+
+
+@dataclass(eq=False)
+class Frame:
+    """One picture in the making. Passes read and add to ``resources`` by name."""
+
+    gpu: Gpu
+    recorder: Recorder
+    targets: TargetPool
+    accelerator: Accelerator
+    camera: Camera
+    settings: Settings
+    size: tuple[int, int]
+    """Width and height of the tile that is drawn, in pixels."""
+    resources: dict[str, Any] = field(default_factory=dict)
+    constants: dict[str, float] = field(default_factory=dict)
+
+    def target(
+        self,
+        name: str,
+        format: str,
+        *,
+        size: Sequence[int] | None = None,
+        attachment: bool = False,
+    ) -> Any:
+        """A texture of the frame's size (or another), known to later passes by its name."""
+        texture = self.targets.get(name, size or self.size, format, attachment)
+        self.resources[name] = texture
+        return texture
+
+    def compute(
+        self,
+        shader: str,
+        resources: Mapping[str, Any] | None = None,
+        *,
+        entry: str = "main",
+        threads: Sequence[int] | None = None,
+        constants: Mapping[str, float] | None = None,
+        label: str = "",
+    ) -> None:
+        """Record a compute pass over the frame's pixels (or other threads)."""
+        self.recorder.compute(
+            shader,
+            entry,
+            threads or self.size,
+            self.resources | (resources or {}),
+            self.constants | (constants or {}),
+            label,
+        )
+
+
+def view_uniform(
+    camera: Camera,
+    center: NDArray,
+    size: tuple[int, int],
+    *,
+    tile: tuple[int, int] = (0, 0),
+    jitter: tuple[float, float] = (0.0, 0.0),
+    frame: int = 0,
+    seed: int = 0,
+) -> dict[str, Any]:
+    """Field values of ``View`` (wgsl/view.wgsl).
+
+    Args:
+        camera: In world space.
+        center: World position of the origin of scene space.
+        size: Width and height of the whole picture.
+        tile: First pixel of the part that is drawn.
+        jitter: Shift of the sample within its pixel.
+        frame: Frames since the picture last changed.
+        seed: Of all random sequences.
+    """
+    view_from_world = camera.view_from_world()
+    world_from_scene = np.eye(4)
+    world_from_scene[:3, 3] = center
+    view_from_scene = view_from_world @ world_from_scene
+    half = camera.half_height()
+    return {
+        "view_from_scene": view_from_scene,
+        "scene_from_view": np.linalg.inv(view_from_scene),
+        "size": size,
+        "origin": tile,
+        "half_extent": (half * size[0] / size[1], half),
+        "jitter": jitter,
+        "orthographic": int(camera.orthographic),
+        "frame": frame,
+        "seed": seed,
+        "distance": float(np.linalg.norm(view_from_scene[:3, 3])),
+    }

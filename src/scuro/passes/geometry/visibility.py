@@ -1,0 +1,33 @@
+"""Primary visibility: which primitive each pixel sees, by ray casting or by rasterisation.
+
+Both ways fill the same visibility buffer; ``resolve`` turns it into the G-buffer by intersecting
+each pixel's one primitive again, so that depths and normals are exact either way.
+"""
+
+from __future__ import annotations
+
+from scuro.passes.frame import Frame
+from scuro.passes.geometry.raster import rasterise
+
+RASTER_LIMIT = 3000
+"""On a software adapter, more spheres than this are faster ray cast."""
+
+
+def draw_visibility(frame: Frame) -> None:
+    """Fill ``visible``, then ``surface``, ``albedo`` and ``ids``."""
+    if _way(frame) == "raster":
+        rasterise(frame)
+    else:
+        frame.target("visible", "rg32uint", attachment=True)
+        frame.compute("passes/geometry/raycast.wgsl")
+    frame.target("surface", "rgba32float")
+    frame.target("albedo", "rgba16float")
+    frame.target("ids", "rgba32uint")
+    frame.compute("passes/geometry/resolve.wgsl")
+
+
+def _way(frame: Frame) -> str:
+    way = frame.settings.visibility
+    if way != "auto":
+        return way
+    return "raycast"

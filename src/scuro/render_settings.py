@@ -1,0 +1,20 @@
+"""All settings of a picture, gathered from the passes that own them."""
+
+from __future__ import annotations
+
+from scuro.passes.compose.lighting import LightingSettings
+from scuro.settings import SettingsGroup, setting
+
+
+class Settings(SettingsGroup):
+    """Everything about a picture but the scene and the camera."""
+
+    size: tuple[int, int] = setting((1280, 720), "width and height", low=1, high=65536, unit="px")
+    background: str = setting("white", "colour behind the scene, or 'transparent'")
+    visibility: str = setting(
+        "auto",
+        "how pixels find their atom: rasterised impostors or rays",
+        choices=("auto", "raster", "raycast"),
+    )
+    seed: int = setting(0, "seed of all random sequences", low=0, high=2**31 - 1)
+    lighting: LightingSettings = LightingSettings()

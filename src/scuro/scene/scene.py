@@ -1,0 +1,185 @@
+"""The scene: what was loaded, how it is shown, its light and its clipping."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.errors import SettingsError
+from scuro.scene.clip import Clip
+from scuro.scene.geometry import Body, Material
+from scuro.scene.lights import Lighting
+from scuro.scene.molecule import Molecule
+from scuro.scene.volume import Volume
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One representation of some atoms of a molecule."""
+
+    style: str = "auto"
+    select: str = "all"
+    color: str = "element"
+    material: Material = Material()
+    clipped: bool = True
+    options: tuple[tuple[str, Any], ...] = ()
+    """Values of :class:`scuro.style.representation.Representation` that differ from its own."""
+
+
+@dataclass(eq=False)
+class MoleculeItem:
+    """A molecule and its representations; placed once, or by a biological assembly."""
+
+    molecule: Molecule
+    shown: list[Shown] = field(default_factory=list)
+    assembly: str | None = None
+    _bodies: dict[tuple, tuple[Body, ...]] = field(default_factory=dict, repr=False)
+
+    def bodies(self) -> list[Body]:
+        """One body a representation and part of the assembly; unchanged ones are the same objects."""
+        found: list[Body] = []
+        kept: dict[tuple, tuple[Body, ...]] = {}
+        for shown in self.shown or [Shown()]:
+            key = (id(self.molecule), shown, self.assembly)
+            made = self._bodies.get(key) or tuple(self._build(shown))
+            kept[key] = made
+            found += made
+        self._bodies = kept
+        return found
+
+    def _build(self, shown: Shown) -> list[Body]:
+        from scuro.style.color import atom_colors
+        from scuro.style.representation import Representation, build_geometry
+        from scuro.style.selection import select
+
+        molecule = self.molecule
+        mask = select(molecule, shown.select)
+        colors = atom_colors(molecule, shown.color)
+        options = Representation(**dict(shown.options))
+        name = molecule.name
+        if self.assembly is None:
+            geometry = build_geometry(molecule, shown.style, mask, colors, options)
+            return [
+                Body(geometry, name=name, path=(name,), material=shown.material,
+                     clipped=shown.clipped)
+            ]  # fmt: skip
+        if self.assembly not in molecule.assemblies:
+            known = ", ".join(molecule.assemblies) or "none"
+            raise SettingsError(
+                f"{name} has no biological assembly '{self.assembly}': there are {known}"
+            )
+        bodies = []
+        for part in molecule.assemblies[self.assembly]:
+            here = mask & np.isin(molecule.chain, part.chains)
+            if not here.any():
+                continue
+            geometry = build_geometry(molecule, shown.style, here, colors, options)
+            bodies.append(
+                Body(geometry, part.rotations, part.positions, name, (name,), shown.material,
+                     shown.clipped)
+            )  # fmt: skip
+        return bodies
+
+
+@dataclass(eq=False)
+class VolumeItem:
+    """A scalar volume; how it is shown is for :mod:`scuro.passes.volume`."""
+
+    volume: Volume
+    shown: Any = None
+
+
+class Scene:
+    """What a picture shows.
+
+    A scene holds items (molecules, volumes, models, reservoirs) in the order they were added. The
+    verbs that change how items are shown return the scene, so that they can be chained.
+    """
+
+    def __init__(self, items: Sequence[Any] = ()) -> None:
+        self.items: list[Any] = list(items)
+        self.lighting: Lighting | None = None
+        """The scene's own lights; ``None`` for the lighting preset of the settings."""
+        self.clip: Clip = Clip()
+        self.extra_bodies: list[Body] = []
+        """Bodies that belong to no item (a probe, markers)."""
+
+    def add(self, item: Any) -> Scene:
+        """Add a molecule, volume or other loaded item."""
+        if isinstance(item, Molecule):
+            item = MoleculeItem(item)
+        elif isinstance(item, Volume):
+            item = VolumeItem(item)
+        self.items.append(item)
+        return self
+
+    def show(
+        self,
+        style: str = "auto",
+        *,
+        select: str = "all",
+        color: str = "element",
+        material: Material | None = None,
+        clipped: bool = True,
+        molecule: int | None = None,
+        **options: Any,
+    ) -> Scene:
+        """Show atoms in a style; the first call replaces the default picture, later ones add.
+
+        Args:
+            style: ``spacefill``, ``ball+stick``, ``licorice``, ``backbone``, ``cartoon``, ``auto``.
+            select: Which atoms, in PyMOL's words.
+            color: Colour scheme, colour name or hex.
+            material: How the surface answers light.
+            clipped: Whether clipping planes cut it.
+            molecule: Index among the scene's molecules; all of them by default.
+            options: Settings of :class:`scuro.style.representation.Representation`.
+
+        Raises:
+            SettingsError: A word is unknown, or nothing is selected in any molecule.
+        """
+        molecules = self.molecules
+        chosen = molecules if molecule is None else [molecules[molecule]]
+        if not chosen:
+            raise SettingsError("there is no molecule in the scene to show in a style")
+        shown = Shown(
+            style, select, color, material or Material(), clipped, tuple(sorted(options.items()))
+        )
+        for item in chosen:
+            item.shown.append(shown)
+        return self
+
+    def hide(self) -> Scene:
+        """Forget all representations."""
+        for item in self.molecules:
+            item.shown.clear()
+        return self
+
+    @property
+    def molecules(self) -> list[MoleculeItem]:
+        return [item for item in self.items if isinstance(item, MoleculeItem)]
+
+    @property
+    def volumes(self) -> list[VolumeItem]:
+        return [item for item in self.items if isinstance(item, VolumeItem)]
+
+    def bodies(self) -> list[Body]:
+        """All surfaces of the scene; bodies that did not change are the same objects as before."""
+        found: list[Body] = []
+        for item in self.items:
+            if hasattr(item, "bodies"):
+                found += item.bodies()
+        return found + self.extra_bodies
+
+    def bounds(self) -> NDArray[np.float64]:
+        """(2, 3) world box around everything."""
+        boxes = [b.bounds for b in self.bodies() if len(b.geometry) and len(b.positions)]
+        boxes += [item.volume.bounds for item in self.volumes]
+        boxes += [item.bounds for item in self.items if hasattr(item, "bounds")]
+        if not boxes:
+            return np.array([[-1.0, -1, -1], [1, 1, 1]])
+        return np.stack([np.min([b[0] for b in boxes], 0), np.max([b[1] for b in boxes], 0)])

@@ -1,0 +1,289 @@
+"""The acceleration structure: uniform grids over primitives, under one over instances.
+
+All grids of a scene are built together on the GPU (a counting sort in three kernels, see
+``build.wgsl``); only the prefix sum between them is numpy's. A geometry that several bodies share
+is kept once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.gpu import Gpu
+from scuro.scene.clip import MAX_PLANES, Clip
+from scuro.scene.geometry import Body, rotation_matrices
+from scuro.trace.pack import PackedGeometry, pack_geometry
+
+GRID = np.dtype(
+    [("origin", np.float32, 3), ("cell", np.float32), ("dims", np.uint32, 3), ("cells", np.uint32)]
+)
+"""``Grid`` of wgsl/scene_types.wgsl."""
+
+INSTANCE = np.dtype([("rotation", np.float32, 4), ("center", np.float32, 3), ("object", np.uint32)])
+"""``Instance`` of wgsl/scene.wgsl: 32 bytes."""
+
+OBJECT = np.dtype(
+    [
+        ("grid", GRID),
+        ("radius", np.float32),
+        ("flags", np.uint32),
+        ("diffuse", np.float32),
+        ("specular", np.float32),
+        ("shininess", np.float32),
+        ("opacity", np.float32),
+        ("roughness", np.float32),
+        ("ior", np.float32),
+        ("kind", np.uint32),
+        ("pad", np.uint32, 3),
+    ]
+)
+"""``Object`` of wgsl/scene.wgsl."""
+
+MATERIAL_KINDS = ("diffuse", "glossy", "metal", "mirror", "glass")
+UNCLIPPED = 1
+
+
+@dataclass(eq=False)
+class Accelerator:
+    """A scene on the GPU, ready to be traced: resources and constants of ``wgsl/scene.wgsl``."""
+
+    resources: dict[str, Any]
+    constants: dict[str, float]
+    bytes: int
+    """GPU memory held."""
+    instances: int
+    primitives: int
+    """Primitives stored (each geometry once)."""
+    spheres: int
+    """Spheres drawn, instances counted."""
+    center: NDArray[np.float64]
+    extent: float
+    """Radius of the scene: half the diagonal of its box."""
+    primitive_radius: float
+    """Median radius of spheres and rods: the scale of occlusion distances and penumbras."""
+    bodies: tuple[Body, ...]
+    packed: dict[int, PackedGeometry]
+    """By ``id(geometry)``."""
+    first_slots: dict[int, int]
+    """By ``id(geometry)``: its first slot in ``slots``."""
+    scene: dict[str, Any]
+    """Field values of the ``scene`` uniform, but for the clipping planes."""
+
+    def clipped(self, clip: Clip) -> tuple[dict[str, Any], dict[str, float]]:
+        """Resources and constants with a clip's planes in place: nothing is rebuilt."""
+        planes = clip.equations()
+        planes[:, 3] += planes[:, :3] @ self.center
+        spared = any(not body.clipped for body in self.bodies)
+        uniform = self.scene | {
+            "planes": planes if len(planes) else np.zeros((MAX_PLANES, 4)),
+            "plane_count": len(planes),
+            "spared": int(spared),
+        }
+        return self.resources | {"scene": uniform}, self.constants | {"CLIPPED": bool(len(planes))}
+
+
+def build_accelerator(
+    gpu: Gpu, bodies: Sequence[Body], center: NDArray, *, bounds: NDArray | None = None
+) -> Accelerator:
+    """Upload bodies and build their grids.
+
+    Args:
+        gpu: Where to.
+        bodies: What is to be traced; empty ones are allowed.
+        center: World position that becomes the origin of scene space.
+        bounds: (2, 3) world box of the whole scene, other data included; the bodies' by default.
+    """
+    geometries = {id(b.geometry): b.geometry for b in bodies}
+    packed = {key: pack_geometry(g) for key, g in geometries.items()}
+    first_slots: dict[int, int] = {}
+    slots, attributes, items = [], [], []
+    grids = np.zeros(1 + len(geometries), GRID)
+    grid_of: dict[int, int] = {}
+    slot_count, cell_count = 0, 0
+    grids[0], cell_count = _top_grid(bodies, center)
+    for number, (key, p) in enumerate(packed.items(), start=1):
+        first_slots[key], grid_of[key] = slot_count, number
+        grids[number] = (p.origin, p.cell, p.dims, cell_count)
+        slots.append(p.slots)
+        attributes.append(p.attributes)
+        item = np.empty((len(p.primitives), 2), np.uint32)
+        item[:, 0] = p.primitives + np.uint32(slot_count)
+        item[:, 1] = number
+        items.append(item)
+        slot_count += len(p.slots)
+        cell_count += int(np.prod(p.dims, dtype=np.int64))
+
+    instances, spheres = _instances(bodies, center, packed)
+    items.insert(0, np.stack([np.arange(len(instances)), np.zeros(len(instances))], 1))
+    slot_buffer = gpu.buffer(_joined(slots, (0, 4), np.float32), label="primitives")
+    cells, refs = _build_grids(
+        gpu, _joined(items, (0, 2), np.uint32), grids, slot_buffer, spheres, cell_count
+    )
+    objects = np.zeros(max(1, len(bodies)), OBJECT)
+    for index, body in enumerate(bodies):
+        objects[index] = _object(body, packed[id(body.geometry)], grids[grid_of[id(body.geometry)]])
+    resources = {
+        "slots": slot_buffer,
+        "attributes": gpu.buffer(_joined(attributes, (0, 4), np.uint32), label="attributes"),
+        "cells": cells,
+        "refs": refs,
+        "instances": gpu.buffer(instances, label="instances"),
+        "objects": gpu.buffer(objects, label="objects"),
+    }
+    if bounds is None:
+        boxes = [b.bounds for b in bodies if len(b.positions) and len(b.geometry)]
+        bounds = (
+            np.stack([np.min([b[0] for b in boxes], 0), np.max([b[1] for b in boxes], 0)])
+            if boxes
+            else np.zeros((2, 3))
+        )
+    extent = float(np.linalg.norm(bounds[1] - bounds[0]) / 2)
+    radii = [p.median_radius for p in packed.values() if p.median_radius > 0]
+    counts = [len(packed[id(b.geometry)].primitives) * len(b.positions) for b in bodies]
+    primitive_radius = (
+        _weighted_median([packed[id(b.geometry)].median_radius for b in bodies], counts)
+        if radii
+        else extent / 100
+    )
+    return Accelerator(
+        resources=resources,
+        constants={
+            "HAS_RODS": any(p.has_rods for p in packed.values()),
+            "HAS_TRIANGLES": any(p.has_triangles for p in packed.values()),
+            "HAS_TOP_LEVEL": len(instances) != 1,
+        },
+        bytes=sum(int(r.size) for r in resources.values()),
+        instances=sum(len(b.positions) for b in bodies),
+        primitives=sum(len(p.primitives) for p in packed.values()),
+        spheres=sum(len(b.geometry.spheres) * len(b.positions) for b in bodies),
+        center=np.asarray(center, np.float64),
+        extent=extent,
+        primitive_radius=primitive_radius,
+        bodies=tuple(bodies),
+        packed=packed,
+        first_slots=first_slots,
+        scene={
+            "top": {name: grids[0][name] for name in GRID.names or ()},
+            "instance_count": sum(len(b.positions) for b in bodies),
+            "extent": extent,
+            "primitive_radius": primitive_radius,
+        },
+    )
+
+
+def _joined(arrays: list[NDArray], shape: tuple[int, ...], dtype: Any) -> NDArray:
+    return np.concatenate([*arrays, np.zeros(shape, dtype)]).astype(dtype, copy=False)
+
+
+def _weighted_median(values: Sequence[float], weights: Sequence[int]) -> float:
+    order = np.argsort(values)
+    cumulative = np.cumsum(np.asarray(weights, float)[order])
+    index = min(int(np.searchsorted(cumulative, cumulative[-1] / 2)), len(order) - 1)
+    return float(np.asarray(values)[order][index])
+
+
+def _instances(
+    bodies: Sequence[Body], center: NDArray, packed: dict[int, PackedGeometry]
+) -> tuple[NDArray, NDArray[np.float32]]:
+    """The instance table, and bounding spheres (k, 4) in scene space, in body order."""
+    tables, spheres = [np.zeros(0, INSTANCE)], [np.zeros((0, 4), np.float32)]
+    for index, body in enumerate(bodies):
+        p = packed[id(body.geometry)]
+        table = np.zeros(len(body.positions), INSTANCE)
+        table["rotation"] = body.rotations
+        middle = rotation_matrices(body.rotations) @ p.middle.astype(np.float64)
+        table["center"] = body.positions + middle - center
+        table["object"] = index
+        sphere = np.empty((len(table), 4), np.float32)
+        sphere[:, :3] = table["center"]
+        sphere[:, 3] = p.radius if len(p.primitives) else 0
+        tables.append(table)
+        spheres.append(sphere)
+    return np.concatenate(tables), np.concatenate(spheres)
+
+
+def _top_grid(bodies: Sequence[Body], center: NDArray) -> tuple[Any, int]:
+    """The grid over instances: cells about as large as a typical instance."""
+    boxes = [b.bounds for b in bodies if len(b.positions) and len(b.geometry)]
+    count = sum(len(b.positions) for b in bodies)
+    if not boxes:
+        return (np.zeros(3), 1.0, np.ones(3), 0), 1
+    radii = [b.radius for b in bodies if len(b.positions)]
+    typical = _weighted_median(radii, [len(b.positions) for b in bodies if len(b.positions)])
+    # bounding spheres may reach beyond the boxes
+    reach = max(radii)
+    low = np.min([b[0] for b in boxes], 0) - center - reach
+    high = np.max([b[1] for b in boxes], 0) - center + reach
+    size = high - low
+    cell = max(
+        2 * typical, float(np.cbrt(np.prod(size) / (4 * count + 8))), float(size.max()) / 512
+    )
+    dims = np.maximum(np.ceil(size / cell), 1)
+    return (low, cell, dims, 0), int(np.prod(dims))
+
+
+def _object(body: Body, p: PackedGeometry, grid: Any) -> tuple:
+    m = body.material
+    return (
+        grid,
+        p.radius,
+        0 if body.clipped else UNCLIPPED,
+        m.diffuse,
+        m.specular,
+        m.shininess,
+        m.opacity,
+        m.roughness,
+        m.ior,
+        MATERIAL_KINDS.index(m.kind),
+        (0, 0, 0),
+    )
+
+
+def _build_grids(
+    gpu: Gpu,
+    items: NDArray[np.uint32],
+    grids: NDArray,
+    slots: Any,
+    spheres: NDArray[np.float32],
+    cell_count: int,
+) -> tuple[Any, Any]:
+    """The ``cells`` and ``refs`` buffers of all grids together."""
+    counts = gpu.buffer(4 * cell_count, label="grid counts")
+    cells = gpu.buffer(4 * cell_count, label="grid cells")
+    placeholder = gpu.buffer(16)
+    resources = {
+        "items": gpu.buffer(items, label="primitives to sort"),
+        "grids": gpu.buffer(grids, label="grids"),
+        "slots": slots,
+        "bounds": gpu.buffer(spheres, label="bounding spheres"),
+        "counts": counts,
+        "cells": cells,
+        "refs": placeholder,
+    }
+
+    def run(entry: str, threads: int) -> None:
+        limit = 65535 * 64
+        for first in range(0, threads, limit):
+            build = {"primitives": len(items), "cells": cell_count, "first": first}
+            share = min(limit, threads - first)
+            gpu.compute("trace/build.wgsl", entry, (share,), resources | {"build": build})
+
+    run("count", len(items))
+    lengths = gpu.read_buffer(counts, np.uint32)[:cell_count]
+    ends = np.cumsum(lengths, dtype=np.int64)
+    starts = np.zeros(cell_count, np.uint32)
+    starts[1:] = ends[:-1]
+    gpu.write_buffer(cells, starts)
+    refs = gpu.buffer(4 * int(ends[-1] if len(ends) else 0), label="grid references")
+    resources["refs"] = refs
+    encoder = gpu.device.create_command_encoder()
+    encoder.clear_buffer(counts)
+    gpu.device.queue.submit([encoder.finish()])
+    run("fill", len(items))
+    run("finish", cell_count)
+    return cells, refs

@@ -1,0 +1,166 @@
+// Building all grids of a scene at once: count, then (after a prefix sum) fill, then sort.
+// One thread a primitive in `count` and `fill`, one a cell in `finish`. Sorting makes the lists,
+// and with them every picture, independent of the order in which threads ran.
+
+//#include "scene_types.wgsl"
+
+struct Build {
+    primitives: u32,
+    cells: u32,
+    // first primitive or cell of this dispatch: one dispatch is limited to 65535 workgroups
+    first: u32,
+}
+
+@group(0) @binding(0) var<uniform> build: Build;
+// a primitive (kind and slot, or an instance) and the number of its grid
+@group(0) @binding(1) var<storage, read> items: array<vec2u>;
+@group(0) @binding(2) var<storage, read> grids: array<Grid>;
+@group(0) @binding(3) var<storage, read> slots: array<vec4f>;
+// bounding spheres of the instances, for the grid over them
+@group(0) @binding(4) var<storage, read> bounds: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> cells: array<u32>;
+@group(0) @binding(7) var<storage, read_write> refs: array<u32>;
+
+// The solid of an item, as the pieces that the cell test needs.
+struct Extent {
+    low: vec3f,
+    high: vec3f,
+    a: vec3f,
+    b: vec3f,
+    radius: f32,
+    // plane of a triangle; zero for the others
+    plane: vec4f,
+}
+
+fn extent_of(item: vec2u) -> Extent {
+    var e: Extent;
+    if (item.y == 0u) {
+        let sphere = bounds[item.x];
+        e.a = sphere.xyz;
+        e.b = e.a;
+        e.radius = sphere.w;
+    } else {
+        let slot = slot_of(item.x);
+        let first = slots[slot];
+        e.a = first.xyz;
+        e.b = e.a;
+        e.radius = first.w;
+        let kind = kind_of(item.x);
+        if (kind == TRIANGLE) {
+            e.b = slots[slot + 1u].xyz;
+            let c = slots[slot + 2u].xyz;
+            let normal = cross(e.b - e.a, c - e.a);
+            e.radius = 0.0;
+            e.plane = vec4f(normal, -dot(normal, e.a));
+            e.low = min(e.a, min(e.b, c));
+            e.high = max(e.a, max(e.b, c));
+            return e;
+        }
+        if (kind != SPHERE) {
+            let second = slots[slot + 1u];
+            e.b = second.xyz;
+            e.radius = max(first.w, second.w);
+        }
+    }
+    e.low = min(e.a, e.b) - e.radius;
+    e.high = max(e.a, e.b) + e.radius;
+    return e;
+}
+
+// Whether the solid may touch a cell: exact for spheres, a little generous for the others.
+fn touches(e: Extent, low: vec3f, size: f32) -> bool {
+    let center = low + 0.5 * size;
+    if (any(e.plane != vec4f(0.0))) {
+        let reach = 0.5 * size * (abs(e.plane.x) + abs(e.plane.y) + abs(e.plane.z));
+        return abs(dot(e.plane.xyz, center) + e.plane.w) <= reach * 1.001 + 1e-12;
+    }
+    let axis = e.b - e.a;
+    let length2 = dot(axis, axis);
+    if (length2 > 0.0) {
+        let h = saturate(dot(center - e.a, axis) / length2);
+        return distance(center, e.a + h * axis) <= e.radius + 0.8661 * size;
+    }
+    let off = max(abs(e.a - center) - 0.5 * size, vec3f(0.0));
+    return dot(off, off) <= e.radius * e.radius * 1.0001;
+}
+
+struct Range {
+    low: vec3i,
+    high: vec3i,
+}
+
+fn cell_range(e: Extent, grid: Grid) -> Range {
+    let last = vec3i(grid.dims) - 1;
+    // a sliver more than needed: rounding must not lose a cell that a ray visits
+    let sliver = 1e-4 * grid.cell;
+    return Range(
+        clamp(vec3i(floor((e.low - sliver - grid.origin) / grid.cell)), vec3i(0), last),
+        clamp(vec3i(floor((e.high + sliver - grid.origin) / grid.cell)), vec3i(0), last),
+    );
+}
+
+fn visit(index: u32, filling: bool) {
+    let item = items[index];
+    let grid = grids[item.y];
+    let extent = extent_of(item);
+    let range = cell_range(extent, grid);
+    for (var z = range.low.z; z <= range.high.z; z += 1) {
+        for (var y = range.low.y; y <= range.high.y; y += 1) {
+            for (var x = range.low.x; x <= range.high.x; x += 1) {
+                let low = grid.origin + vec3f(vec3i(x, y, z)) * grid.cell;
+                if (!touches(extent, low, grid.cell)) {
+                    continue;
+                }
+                let cell = grid.cells + u32(x) + grid.dims.x * (u32(y) + grid.dims.y * u32(z));
+                if (filling) {
+                    let place = atomicAdd(&counts[cell], 1u);
+                    refs[cells[cell] + place] = item.x;
+                } else {
+                    atomicAdd(&counts[cell], 1u);
+                }
+            }
+        }
+    }
+}
+
+@compute @workgroup_size(64)
+fn count(@builtin(global_invocation_id) id: vec3u) {
+    let index = build.first + id.x;
+    if (index < build.primitives) {
+        visit(index, false);
+    }
+}
+
+// `cells` holds the prefix sum and `counts` is zero again
+@compute @workgroup_size(64)
+fn fill(@builtin(global_invocation_id) id: vec3u) {
+    let index = build.first + id.x;
+    if (index < build.primitives) {
+        visit(index, true);
+    }
+}
+
+@compute @workgroup_size(64)
+fn finish(@builtin(global_invocation_id) id: vec3u) {
+    let cell = build.first + id.x;
+    if (cell >= build.cells) {
+        return;
+    }
+    let length = atomicLoad(&counts[cell]);
+    let first = cells[cell];
+    if (length == 0u) {
+        cells[cell] = EMPTY_CELL;
+        return;
+    }
+    for (var i = first + 1u; i < first + length; i += 1u) {
+        let moving = refs[i];
+        var j = i;
+        while (j > first && refs[j - 1u] > moving) {
+            refs[j] = refs[j - 1u];
+            j -= 1u;
+        }
+        refs[j] = moving;
+    }
+    refs[first + length - 1u] |= LAST_OF_CELL;
+}

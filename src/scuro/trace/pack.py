@@ -1,0 +1,157 @@
+"""A geometry as the tracer stores it: slots of four floats, in memory order along a Morton curve."""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.scene.geometry import Geometry
+
+SPHERE, ROD, CONE, TRIANGLE = (np.uint32(k << 29) for k in range(4))
+NO_PRIMITIVE = 0xFFFFFFFF
+
+
+@dataclass(frozen=True, eq=False)
+class PackedGeometry:
+    """Slots, attributes and the grid of one geometry, about the middle of its box."""
+
+    slots: NDArray[np.float32]
+    """(s, 4): one a sphere (centre, radius), two a rod, three a triangle."""
+    attributes: NDArray[np.uint32]
+    """(s, 4): element id, sRGB colour, octahedral normal, 0."""
+    primitives: NDArray[np.uint32]
+    """(p,) kind and first slot of each primitive."""
+    middle: NDArray[np.float32]
+    """(3,) what was taken off all coordinates."""
+    radius: float
+    """Of the bounding sphere around the middle."""
+    origin: NDArray[np.float32]
+    cell: float
+    dims: NDArray[np.uint32]
+    median_radius: float
+    has_rods: bool
+    has_triangles: bool
+
+
+CELLS_A_PRIMITIVE = 4
+"""Upper bound on a grid's cells: sparse geometries get larger cells, not more of them."""
+
+_packed: weakref.WeakKeyDictionary[Geometry, PackedGeometry] = weakref.WeakKeyDictionary()
+
+
+def pack_geometry(geometry: Geometry) -> PackedGeometry:
+    """A geometry packed for the GPU; the same geometry is packed once."""
+    found = _packed.get(geometry)
+    if found is None:
+        found = _packed[geometry] = _pack(geometry)
+    return found
+
+
+def _pack(geometry: Geometry) -> PackedGeometry:
+    low, high = geometry.bounds
+    middle = ((low.astype(np.float64) + high) / 2).astype(np.float32)
+    count = len(geometry)
+    radii = np.concatenate([geometry.spheres[:, 3], geometry.rods[:, :, 3].mean(axis=1)])
+    median = float(np.median(radii)) if len(radii) else 0.0
+    cell, dims = _cells(geometry, low, high, median, count * CELLS_A_PRIMITIVE)
+    origin = low - middle - 0.5 * (dims * cell - (high - low))
+
+    def order(points: NDArray) -> NDArray[np.intp]:
+        return np.argsort(morton(((points - low) / cell).astype(np.uint32)), kind="stable")
+
+    # spheres, then rods, then triangles, each along the curve
+    s = order(geometry.spheres[:, :3])
+    r = order(geometry.rods[:, :, :3].mean(axis=1))
+    t = order(geometry.triangles.mean(axis=1)) if len(geometry.triangles) else np.zeros(0, np.intp)
+    spheres, rods, triangles = geometry.spheres[s], geometry.rods[r], geometry.triangles[t]
+    slots = np.zeros((len(s) + 2 * len(r) + 3 * len(t), 4), np.float32)
+    rod_at, triangle_at = len(s), len(s) + 2 * len(r)
+    slots[:rod_at] = spheres
+    slots[rod_at:triangle_at] = rods.reshape(-1, 4)
+    slots[triangle_at:, :3] = triangles.reshape(-1, 3)
+    slots[:, :3] -= middle
+
+    attributes = np.zeros((len(slots), 4), np.uint32)
+    attributes[:, 0] = np.concatenate(
+        [geometry.sphere_ids[s], geometry.rod_ids[r].ravel(), geometry.triangle_ids[t].ravel()]
+    ).view(np.uint32)
+    colors = np.concatenate(
+        [
+            geometry.sphere_colors[s],
+            geometry.rod_colors[r].reshape(-1, 4),
+            geometry.triangle_colors[t].reshape(-1, 4),
+        ]
+    )
+    attributes[:, 1] = np.ascontiguousarray(colors).view(np.uint32)[:, 0]
+    if len(t):
+        attributes[triangle_at:, 2] = octahedral(geometry.triangle_normals[t].reshape(-1, 3))
+
+    rod_kind = np.where(np.isclose(rods[:, 0, 3], rods[:, 1, 3], rtol=1e-5), ROD, CONE)
+    primitives = np.concatenate(
+        [
+            np.arange(len(s), dtype=np.uint32) | SPHERE,
+            (rod_at + 2 * np.arange(len(r), dtype=np.uint32)) | rod_kind.astype(np.uint32),
+            (triangle_at + 3 * np.arange(len(t), dtype=np.uint32)) | TRIANGLE,
+        ]
+    )
+    corners = np.linalg.norm(slots[:, :3], axis=1) + slots[:, 3]
+    return PackedGeometry(
+        slots=slots,
+        attributes=attributes,
+        primitives=primitives,
+        middle=middle,
+        radius=float(corners.max()) * 1.00001 if len(corners) else 0.0,
+        origin=origin.astype(np.float32),
+        cell=cell,
+        dims=dims,
+        median_radius=median,
+        has_rods=len(r) > 0,
+        has_triangles=len(t) > 0,
+    )
+
+
+def _cells(
+    geometry: Geometry, low: NDArray, high: NDArray, median: float, limit: int
+) -> tuple[float, NDArray[np.uint32]]:
+    """Cell size and grid dimensions.
+
+    A cell of 1.5 median radii is the measured optimum for space-filling atoms (2.5 Å). Thin sticks
+    and triangles have more space between than inside them: there the spacing decides.
+    """
+    size = np.maximum((high - low).astype(np.float64), 1e-6)
+    size = np.maximum(size, size.max() * 1e-3)
+    count = max(1, len(geometry))
+    spacing = float(np.cbrt(np.prod(size) / count))
+    cell = max(1.5 * median, 0.5 * spacing) if len(geometry.spheres) else max(median, spacing)
+    while True:
+        dims = np.maximum(np.ceil(size / cell * 1.0001), 1)
+        if np.prod(dims) <= max(limit, 64) and dims.max() <= 1024:
+            return cell, dims.astype(np.uint32)
+        cell *= 1.05
+
+
+def morton(cells: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """Codes (n,) along the Morton curve of cells (n, 3), ten bits a coordinate."""
+    code = np.zeros(len(cells), np.uint32)
+    for axis in range(3):
+        v = np.minimum(cells[:, axis], 1023).astype(np.uint32)
+        v = (v | (v << 16)) & np.uint32(0x030000FF)
+        v = (v | (v << 8)) & np.uint32(0x0300F00F)
+        v = (v | (v << 4)) & np.uint32(0x030C30C3)
+        v = (v | (v << 2)) & np.uint32(0x09249249)
+        code |= v << np.uint32(axis)
+    return code
+
+
+def octahedral(normals: NDArray) -> NDArray[np.uint32]:
+    """Unit vectors (n, 3) packed as ``octahedral_encode`` of wgsl/octahedral.wgsl does."""
+    n = normals.astype(np.float64)
+    n = n / np.maximum(np.abs(n).sum(axis=1, keepdims=True), 1e-30)
+    p = n[:, :2]
+    wrapped = (1 - np.abs(p[:, ::-1])) * np.where(p >= 0, 1, -1)
+    p = np.where(n[:, 2:] >= 0, p, wrapped)
+    q = np.round(np.clip(p, -1, 1) * 32767).astype(np.int16)
+    return np.ascontiguousarray(q).view(np.uint32)[:, 0]
