@@ -23,7 +23,21 @@ _HOME = {
 }
 """Where each public name lives; loaded on first use, so that ``import scuro`` costs nothing."""
 
-__all__ = ["__version__", *sorted(_HOME)]
+__all__ = [
+    "Camera",
+    "Clip",
+    "Image",
+    "Light",
+    "Lighting",
+    "Material",
+    "Plane",
+    "Renderer",
+    "Scene",
+    "ScuroError",
+    "Settings",
+    "load",
+    "render",
+]
 
 if TYPE_CHECKING:
     from scuro.errors import ScuroError

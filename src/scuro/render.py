@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-
 from scuro.gpu import Gpu, Timings
 from scuro.image import Image
 from scuro.passes.compose.lighting import lighting_of, lights_uniform

@@ -24,7 +24,7 @@ class Shown:
     style: str = "auto"
     select: str = "all"
     color: str = "element"
-    material: Material = Material()
+    material: Material = field(default_factory=Material)
     clipped: bool = True
     options: tuple[tuple[str, Any], ...] = ()
     """Values of :class:`scuro.style.representation.Representation` that differ from its own."""
@@ -40,7 +40,7 @@ class MoleculeItem:
     _bodies: dict[tuple, tuple[Body, ...]] = field(default_factory=dict, repr=False)
 
     def bodies(self) -> list[Body]:
-        """One body a representation and part of the assembly; unchanged ones are the same objects."""
+        """One body a representation and assembly part; unchanged ones are the same objects."""
         found: list[Body] = []
         kept: dict[tuple, tuple[Body, ...]] = {}
         for shown in self.shown or [Shown()]:

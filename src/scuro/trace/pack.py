@@ -1,4 +1,4 @@
-"""A geometry as the tracer stores it: slots of four floats, in memory order along a Morton curve."""
+"""A geometry as the tracer stores it: slots of four floats, ordered along a Morton curve."""
 
 from __future__ import annotations
 
