@@ -34,7 +34,8 @@ def replacing(path: str | PathLike[str]) -> Iterator[BinaryIO]:
         handle, beside = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
     try:
         with _saving(path):
-            with os.fdopen(handle, "wb") as file:
+            os.close(handle)
+            with open(beside, "wb") as file:
                 yield file
                 file.flush()
                 os.fsync(file.fileno())
