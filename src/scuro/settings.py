@@ -80,7 +80,7 @@ class SettingsGroup:
 
     def __post_init__(self) -> None:
         for parameter in parameters(type(self)):
-            value = _checked(parameter, getattr(self, parameter.name), type(self).__name__)
+            value = checked(parameter, getattr(self, parameter.name))
             object.__setattr__(self, parameter.name, value)
 
     def replace(self, **changes: Any) -> Self:
@@ -201,7 +201,8 @@ def _plain(value: Any) -> Any:
     return [_plain(v) for v in value] if isinstance(value, tuple) else value
 
 
-def _checked(p: Parameter, value: Any, group: str) -> Any:
+def checked(p: Parameter, value: Any) -> Any:
+    """The value as the setting keeps it; :class:`SettingsError` if it cannot have it."""
     if value is None and p.optional:
         return None
     if p.many:

@@ -34,6 +34,10 @@ DEFAULT_LIMITS = {
     "max-compute-workgroup-size-y": 256,
     "max-compute-workgroup-size-z": 64,
 }
+NO_ADAPTER = (
+    "no GPU adapter found: install a Vulkan driver, e.g. the software one with "
+    "'apt-get install mesa-vulkan-drivers libvulkan1'"
+)
 _GROWING = (
     "max-storage-buffer-binding-size",
     "max-buffer-size",
@@ -117,10 +121,7 @@ def open_device(
     """
     adapters = sorted(_adapters(), key=_preference)
     if not adapters:
-        raise GpuError(
-            "no GPU adapter found: install a Vulkan driver, e.g. the software one with "
-            "'apt-get install mesa-vulkan-drivers libvulkan1'"
-        )
+        raise GpuError(NO_ADAPTER)
     adapter = adapters[0]
     choice = choice or os.environ.get("SCURO_DEVICE")
     if choice:

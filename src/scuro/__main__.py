@@ -1,0 +1,5 @@
+"""``python -m scuro`` is ``scuro``."""
+
+from scuro.app.cli import main
+
+main()

@@ -1,0 +1,174 @@
+"""Command-line options made from settings groups: a new setting has its flag without any code.
+
+The path of field names that leads to a setting becomes its flag: ``occlusion.samples`` is
+``--occlusion-samples``, and a group's *main* setting takes the group's own name, ``--occlusion``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import click
+
+from scuro.errors import SettingsError
+from scuro.settings import Parameter, SettingsGroup, checked, walk
+
+_AUTO = "auto"
+"""The word for ``None``: worked out from the scene."""
+_NONE = object()
+"""Stands for a given ``None``, which click cannot tell from an option that was not given."""
+
+Path = tuple[str, ...]
+
+
+class SettingType(click.ParamType):
+    """Text on the command line to the value of one setting, checked as everywhere else."""
+
+    def __init__(self, parameter: Parameter) -> None:
+        self.parameter = parameter
+        self.name = parameter.name
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
+        p = self.parameter
+        if p.choices and not p.many:
+            return "NAME" if len(p.choices) > 6 else "|".join(p.choices)
+        word = {int: "N", float: "X", str: "TEXT", bool: "on|off"}.get(p.type, "VALUE")
+        if p.many:
+            return "WxH" if p.name == "size" else ",".join([word] * (p.length or 1))
+        return word if not p.optional or p.type is str else f"{word}|{_AUTO}"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
+        p = self.parameter
+        if not isinstance(value, str):
+            return value
+        if p.optional and value == _AUTO and not (p.choices and _AUTO in p.choices):
+            return _NONE
+        try:
+            if p.many:
+                pieces = value.replace("x", ",") if p.type in (int, float) else value
+                return checked(p, tuple(_element(p, v) for v in pieces.split(",")))
+            return checked(p, _element(p, value))
+        except SettingsError as error:
+            self.fail(str(error), param, ctx)
+
+
+def _element(p: Parameter, text: str) -> Any:
+    text = text.strip()
+    if p.type in (int, float):
+        try:
+            return float(text)
+        except ValueError:
+            raise SettingsError(f"{p.name} needs a number, not '{text}'") from None
+    return text
+
+
+class SettingOption(click.Option):
+    """The option of one setting; knows the group of settings under which help lists it."""
+
+    def __init__(self, path: Path, parameter: Parameter) -> None:
+        self.section = path[0] if len(path) > 1 else ""
+        flag = flag_of(path, parameter)
+        if parameter.type is bool and not parameter.many:
+            declaration, kind = f"{flag}/--no-{flag[2:]}", None
+        else:
+            declaration, kind = flag, SettingType(parameter)
+        super().__init__(
+            [declaration, "__".join(path)],
+            type=kind,
+            default=None,
+            help=help_of(parameter),
+            is_flag=True if kind is None else None,
+        )
+
+
+def flag_of(path: Path, parameter: Parameter) -> str:
+    """The long flag of the setting at ``path``."""
+    names = path[:-1] if parameter.main and len(path) > 1 else path
+    return "--" + "-".join(name.replace("_", "-") for name in names)
+
+
+def help_of(p: Parameter) -> str:
+    """One line: what it is, its unit, range or words, and its default."""
+    facts = []
+    if p.choices and not p.many:
+        if len(p.choices) > 6:
+            facts.append(f"one of {', '.join(p.choices)}")
+    elif p.low is not None and p.high is not None:
+        facts.append(f"{p.low:g} to {p.high:g}{_unit(p)}")
+    elif p.low is not None:
+        facts.append(f"at least {p.low:g}{_unit(p)}")
+    elif p.high is not None:
+        facts.append(f"at most {p.high:g}{_unit(p)}")
+    elif p.unit:
+        facts.append(p.unit)
+    facts.append(f"default {_shown(p)}")
+    return f"{p.help.rstrip('.')}. [{'; '.join(facts)}]"
+
+
+def _unit(p: Parameter) -> str:
+    return f" {p.unit}" if p.unit else ""
+
+
+def _shown(p: Parameter) -> str:
+    value = p.default
+    if value is None:
+        return _AUTO
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, tuple):
+        joint = "x" if p.name == "size" else ","
+        return joint.join(f"{v:g}" if isinstance(v, float) else str(v) for v in value) or "none"
+    return f"{value:g}" if isinstance(value, float) else str(value) or "none"
+
+
+def setting_options(
+    group: type[SettingsGroup], *, without: Iterable[Path] = ()
+) -> list[click.Parameter]:
+    """One option for every setting below ``group``, except those at the paths ``without``."""
+    left_out = set(without)
+    return [SettingOption(path, p) for path, p in walk(group) if path not in left_out]
+
+
+def with_settings(
+    group: type[SettingsGroup], *, without: Iterable[Path] = ()
+) -> Callable[[click.Command], click.Command]:
+    """Decorator: give a command all options of a settings group."""
+
+    def add(command: click.Command) -> click.Command:
+        command.params.extend(setting_options(group, without=without))
+        return command
+
+    return add
+
+
+def take_changes(group: type[SettingsGroup], values: dict[str, Any]) -> dict[str, Any]:
+    """Remove a group's settings from a command's ``values``; return those that were given.
+
+    The result suits :meth:`scuro.settings.SettingsGroup.replace`.
+    """
+    names = ["__".join(path) for path, _ in walk(group)]
+    given = {name: values.pop(name) for name in names if name in values}
+    return {
+        name: None if value is _NONE else value
+        for name, value in given.items()
+        if value is not None
+    }
+
+
+class SettingsCommand(click.Command):
+    """A command whose help lists the settings group by group."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        sections: dict[str, list[tuple[str, str]]] = {}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is not None:
+                name = getattr(parameter, "section", None)
+                title = "Options" if name is None else name.replace("_", " ").capitalize()
+                sections.setdefault(title or "Picture", []).append(record)
+        for title, records in sections.items():
+            with formatter.section(title):
+                formatter.write_dl(records)
