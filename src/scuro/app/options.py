@@ -38,9 +38,7 @@ class SettingType(click.ParamType):
             return "WxH" if p.name == "size" else ",".join([word] * (p.length or 1))
         return word if not p.optional or p.type is str else f"{word}|{_AUTO}"
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> Any:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         p = self.parameter
         if not isinstance(value, str):
             return value

@@ -139,3 +139,9 @@ class Molecule:
         if len(self) == 0:
             return np.zeros((2, 3), np.float32)
         return np.stack([self.positions.min(axis=0), self.positions.max(axis=0)])
+
+    def summary(self) -> dict[str, Any]:
+        """What ``scuro info`` prints."""
+        from scuro.scene.describe import describe
+
+        return describe(self)
