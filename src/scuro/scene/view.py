@@ -1,0 +1,211 @@
+"""From what side and how near a scene is seen: settings that become a :class:`Camera`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.errors import SettingsError
+from scuro.scene.camera import Camera
+from scuro.scene.geometry import Body, rotation_matrices
+from scuro.settings import SettingsGroup, setting
+
+if TYPE_CHECKING:
+    from scuro.scene.scene import Scene
+
+_SIDES = {
+    "front": ((0, 0, 1), (0, 1, 0)),
+    "back": ((0, 0, -1), (0, 1, 0)),
+    "right": ((1, 0, 0), (0, 1, 0)),
+    "left": ((-1, 0, 0), (0, 1, 0)),
+    "top": ((0, 1, 0), (0, 0, -1)),
+    "bottom": ((0, -1, 0), (0, 0, 1)),
+}
+"""Direction to the eye and upward direction. ``front`` looks along -z with y up."""
+_PRINCIPAL = "principal"
+_EXACT_POINTS = 2_000_000
+"""Beyond so many primitives the picture is fitted to the instances' bounding spheres."""
+_FOCUS_PADDING = 3.0
+"""Å around the atoms that are in focus, so that their neighbours show."""
+
+
+class ViewSettings(SettingsGroup):
+    """Where the camera stands. Without a position it is fitted to the scene, or to the focus."""
+
+    view: str = setting(
+        "front",
+        "side to look from; 'principal' lays the longest axis across the picture",
+        choices=(*_SIDES, _PRINCIPAL),
+    )
+    azimuth: float = setting(0.0, "walk around the scene, to the right", unit="deg")
+    elevation: float = setting(0.0, "rise above the scene", low=-90, high=90, unit="deg")
+    roll: float = setting(0.0, "turn the picture clockwise", unit="deg")
+    zoom: float = setting(1.0, "enlarge the picture's middle", low=0.01, high=10_000)
+    fov: float = setting(30.0, "vertical field of view", low=0.1, high=160, unit="deg")
+    orthographic: bool = setting(False, "parallel projection")
+    focus: str = setting("", "selection that fills the picture, in PyMOL's words")
+    position: tuple[float, float, float] | None = setting(
+        None, "the eye's place in the file's coordinates, instead of a fitted one"
+    )
+    target: tuple[float, float, float] | None = setting(
+        None, "the point looked at (default: the middle of what is seen)"
+    )
+    up: tuple[float, float, float] | None = setting(None, "upward direction of the picture")
+
+
+def view_camera(scene: Scene, view: ViewSettings, aspect: float) -> Camera:
+    """The camera that a view of a scene means.
+
+    Args:
+        scene: What is seen.
+        view: From where.
+        aspect: The picture's width over its height.
+
+    Raises:
+        SettingsError: The focus selects nothing.
+    """
+    points = focus_points(scene, view.focus) if view.focus else scene_points(scene)
+    bounds = _bounds(points) if len(points) else scene.bounds()
+    if view.position is not None:
+        camera = _placed(view, bounds)
+    else:
+        direction, up = _direction(view, points)
+        camera = Camera.fitted(
+            bounds,
+            direction=direction,
+            up=up,
+            fov=view.fov,
+            aspect=aspect,
+            orthographic=view.orthographic,
+            points=points if len(points) else None,
+        )
+        if view.target is not None:
+            shift = np.subtract(view.target, camera.target)
+            eye = tuple((np.asarray(camera.position) + shift).tolist())
+            camera = replace(camera, position=eye, target=view.target)
+    return _zoomed(_rolled(camera, view.roll), view.zoom)
+
+
+def _placed(view: ViewSettings, bounds: NDArray) -> Camera:
+    assert view.position is not None
+    middle = tuple(np.mean(bounds, axis=0).tolist())
+    camera = Camera(view.position, view.target or middle, view.up or (0.0, 1.0, 0.0), view.fov)
+    if view.orthographic:
+        camera = replace(camera, height=2 * camera.distance * camera.half_height())
+    return camera
+
+
+def _direction(view: ViewSettings, points: NDArray) -> tuple[tuple, tuple]:
+    """Unit directions to the eye and upward."""
+    if view.view == _PRINCIPAL:
+        rows = principal_axes(points[:, :3])
+        direction, up = tuple(rows[2].tolist()), tuple(rows[1].tolist())
+    else:
+        direction, up = _SIDES[view.view]
+    if view.up is not None:
+        up = view.up
+    probe = Camera(direction, (0, 0, 0), up).orbited(view.azimuth, view.elevation)
+    return probe.position, probe.up
+
+
+def principal_axes(positions: NDArray) -> NDArray[np.float64]:
+    """(3, 3) rows: axes of the longest, middle and shortest extent, right-handed.
+
+    An axis's sign is chosen so that the longer tail of the points lies on its positive side; the
+    same structure therefore always shows the same face.
+    """
+    if len(positions) < 2:
+        return np.eye(3)
+    centered = np.asarray(positions, np.float64) - np.mean(positions, axis=0)
+    _, vectors = np.linalg.eigh(centered.T @ centered)
+    axes = vectors.T[::-1].copy()
+    skew = np.sum((centered @ axes.T) ** 3, axis=0)
+    axes[skew < 0] *= -1
+    axes[2] = np.cross(axes[0], axes[1])
+    return axes
+
+
+def _rolled(camera: Camera, degrees: float) -> Camera:
+    if not degrees:
+        return camera
+    right, up, _ = camera.view_from_world()[:3, :3]
+    # the picture turns clockwise when the camera turns the other way
+    angle = math.radians(degrees)
+    turned = math.cos(angle) * up - math.sin(angle) * right
+    return replace(camera, up=tuple(turned.tolist()))
+
+
+def _zoomed(camera: Camera, zoom: float) -> Camera:
+    """A longer lens from the same place, so that zooming never cuts into the scene."""
+    if zoom == 1:
+        return camera
+    if camera.height is not None:
+        return replace(camera, height=camera.height / zoom)
+    half = math.atan(camera.half_height() / zoom)
+    return replace(camera, fov=min(170.0, max(0.01, math.degrees(2 * half))))
+
+
+def scene_points(scene: Scene) -> NDArray[np.float64]:
+    """(n, 4) world centres and radii that bound the scene's surfaces.
+
+    Volumes and other items without surfaces add the corners of their boxes.
+    """
+    bodies = scene.bodies()
+    exact = sum(len(b.geometry) * len(b.positions) for b in bodies) <= _EXACT_POINTS
+    found = [_body_points(body, exact) for body in bodies]
+    boxes = [item.volume.bounds for item in scene.volumes]
+    boxes += [item.bounds for item in scene.items if hasattr(item, "bounds")]
+    found += [_corners(np.asarray(box)) for box in boxes]
+    return np.concatenate(found) if found else np.zeros((0, 4))
+
+
+def _body_points(body: Body, exact: bool) -> NDArray[np.float64]:
+    geometry = body.geometry
+    if not len(geometry) or not len(body.positions):
+        return np.zeros((0, 4))
+    if exact:
+        corners = geometry.triangles.reshape(-1, 3)
+        local = np.concatenate(
+            [
+                geometry.spheres,
+                geometry.rods.reshape(-1, 4),
+                np.concatenate([corners, np.zeros((len(corners), 1), np.float32)], axis=1),
+            ]
+        ).astype(np.float64)
+    else:
+        middle = geometry.bounds.astype(np.float64).mean(axis=0)
+        local = np.append(middle, body.radius)[None]
+    turned = np.einsum("kij,nj->kni", rotation_matrices(body.rotations), local[:, :3])
+    centers = turned + body.positions[:, None, :]
+    radii = np.broadcast_to(local[None, :, 3], centers.shape[:2])
+    return np.concatenate([centers, radii[..., None]], axis=-1).reshape(-1, 4)
+
+
+def _corners(box: NDArray) -> NDArray[np.float64]:
+    axes = np.meshgrid(*box.T, indexing="ij")
+    return np.concatenate([np.stack(axes, -1).reshape(-1, 3), np.zeros((8, 1))], axis=1)
+
+
+def _bounds(points: NDArray) -> NDArray[np.float64]:
+    centers, radii = points[:, :3], points[:, 3:]
+    return np.stack([(centers - radii).min(axis=0), (centers + radii).max(axis=0)])
+
+
+def focus_points(scene: Scene, selection: str) -> NDArray[np.float64]:
+    """(n, 4) centres and padded radii of the selected atoms of all molecules.
+
+    Raises:
+        SettingsError: Nothing is selected.
+    """
+    from scuro.style.selection import select
+
+    found = [item.molecule.positions[select(item.molecule, selection)] for item in scene.molecules]
+    positions = np.concatenate(found) if found else np.zeros((0, 3))
+    if not len(positions):
+        raise SettingsError(f"--focus '{selection}' selects no atoms")
+    padding = np.full((len(positions), 1), _FOCUS_PADDING)
+    return np.concatenate([positions, padding], axis=1).astype(np.float64)
