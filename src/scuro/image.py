@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from scuro.errors import SettingsError
 
 if TYPE_CHECKING:
     import PIL.Image
@@ -37,6 +41,61 @@ class Image:
         if (self.pixels[..., 3] == 255).all():
             return pillow.fromarray(np.ascontiguousarray(self.pixels[..., :3]))
         return pillow.fromarray(self.pixels)
+
+    def buffer(self, name: str) -> NDArray:
+        """What is behind the picture: ``depth``, ``normal``, ``atom``, … as an array.
+
+        See :func:`scuro.export.buffers.read_buffer` for names, shapes and units.
+
+        Raises:
+            SettingsError: There is no such buffer, or the renderer has since drawn another frame.
+        """
+        from scuro.export.buffers import read_buffer
+
+        return read_buffer(self._current_frame(), name)
+
+    def buffers(self) -> dict[str, NDArray]:
+        """All buffers by name, with the camera's matrices."""
+        from scuro.export.buffers import read_buffers
+
+        return read_buffers(self._current_frame())
+
+    def _current_frame(self) -> Frame:
+        frame = self._frame
+        if frame is None or frame.targets.frame is not frame:
+            raise SettingsError(
+                "the renderer has drawn another frame since: ask for a picture's buffers before"
+            )
+        return frame
+
+    def save(
+        self,
+        path: str | PathLike[str],
+        *,
+        bits: int = 8,
+        dpi: float | None = None,
+        settings: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Write the picture as PNG, TIFF, OpenEXR, JPEG or WebP, by the name's ending.
+
+        Args:
+            path: Where to; what was there is replaced only when all is written.
+            bits: 8 or 16 per channel (PNG, TIFF).
+            dpi: Resolution to state in the file.
+            settings: What to note in the file; by default the picture's settings.
+
+        Raises:
+            SettingsError: An unknown format.
+            SaveError: The file cannot be written.
+        """
+        from scuro.export.image import Picture, save_picture
+
+        if settings is None and self._frame is not None:
+            settings = {"settings": self._frame.settings.as_dict()}
+        save_picture(
+            path,
+            Picture(self.pixels, lambda: self.buffer("linear"), self.buffers, settings, bits, dpi),
+        )
 
     def _repr_png_(self) -> bytes:
         out = io.BytesIO()

@@ -12,10 +12,15 @@ from PIL import Image
 
 from scuro.errors import LoadError, SaveError, SettingsError
 from scuro.export.files import replacing
-from scuro.export.image import display, encoded_srgb, save_buffers, save_picture
-from scuro.export.png import PngWriter, read_settings
+from scuro.export.image import Picture, display, encoded_srgb, save_buffers, save_picture
+from scuro.export.png import PngWriter, quantised, read_settings
 
 SETTINGS = {"style": "cartoon", "nested": {"samples": 16, "name": "Ångström"}}
+
+
+def save(path, linear: np.ndarray, *, buffers=None, **about) -> None:
+    pixels = quantised(display(linear), 8)
+    save_picture(path, Picture(pixels, lambda: linear, lambda: buffers or {}, **about))
 
 
 def picture(h: int = 13, w: int = 17, *, opaque: bool = True) -> np.ndarray:
@@ -38,7 +43,7 @@ def test_a_half_covered_edge_keeps_its_colour():
 @pytest.mark.parametrize("opaque", [True, False])
 def test_png_8_bit_as_pillow_reads_it(tmp_path, opaque):
     linear = picture(opaque=opaque)
-    save_picture(tmp_path / "a.png", linear, settings=SETTINGS, dpi=300)
+    save(tmp_path / "a.png", linear, settings=SETTINGS, dpi=300)
     with Image.open(tmp_path / "a.png") as read:
         read.load()
         assert read.mode == ("RGB" if opaque else "RGBA")
@@ -51,7 +56,7 @@ def test_png_8_bit_as_pillow_reads_it(tmp_path, opaque):
 
 def test_png_16_bit_keeps_what_8_bits_lose(tmp_path):
     linear = picture()
-    save_picture(tmp_path / "a.png", linear, bits=16)
+    save(tmp_path / "a.png", linear, bits=16)
     with Image.open(tmp_path / "a.png") as read:  # Pillow reads 16-bit colour as 8
         assert np.abs(np.asarray(read) / 255 - display(linear)[..., :3]).max() < 1 / 255
     stream = zlib.decompress(image_data((tmp_path / "a.png").read_bytes()))
@@ -83,7 +88,7 @@ def test_png_in_pieces_is_the_png_in_one(tmp_path):
 
 
 def test_settings_come_back_and_their_absence_is_said(tmp_path):
-    save_picture(tmp_path / "a.png", picture(), settings=SETTINGS)
+    save(tmp_path / "a.png", picture(), settings=SETTINGS)
     assert read_settings(tmp_path / "a.png") == SETTINGS
     Image.new("RGB", (4, 4)).save(tmp_path / "other.png")
     with pytest.raises(LoadError, match="carries no scuro settings"):
@@ -103,7 +108,7 @@ def test_settings_come_back_and_their_absence_is_said(tmp_path):
 @pytest.mark.parametrize("opaque", [True, False])
 def test_tiff(tmp_path, bits, opaque):
     linear = picture(opaque=opaque)
-    save_picture(tmp_path / "a.tif", linear, settings=SETTINGS, bits=bits, dpi=600)
+    save(tmp_path / "a.tif", linear, settings=SETTINGS, bits=bits, dpi=600)
     with tifffile.TiffFile(tmp_path / "a.tif") as read:
         page = read.pages[0]
         assert json.loads(page.description) == SETTINGS
@@ -119,7 +124,7 @@ def test_openexr_layers_and_premultiplied_light(tmp_path):
     ids[3, 4] = 41
     normal = np.random.default_rng(0).random((*linear.shape[:2], 3)).astype(np.float32)
     buffers = {"depth": normal[..., 0], "normal": normal, "atom": ids, "visibility": normal[..., 1]}
-    save_picture(tmp_path / "a.exr", linear, buffers=buffers, settings=SETTINGS)
+    save(tmp_path / "a.exr", linear, buffers=buffers, settings=SETTINGS)
     with OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True) as read:
         channels = {name: channel.pixels for name, channel in read.channels().items()}
         assert json.loads(read.header()["scuro"]) == SETTINGS
@@ -130,7 +135,7 @@ def test_openexr_layers_and_premultiplied_light(tmp_path):
 
 
 def test_jpeg_lies_on_white_paper(tmp_path):
-    save_picture(tmp_path / "a.jpg", np.zeros((16, 16, 4), np.float32), dpi=150)
+    save(tmp_path / "a.jpg", np.zeros((16, 16, 4), np.float32), dpi=150)
     with Image.open(tmp_path / "a.jpg") as read:
         assert np.asarray(read).min() == 255
         assert read.info["dpi"] == (150, 150)
@@ -156,7 +161,7 @@ def test_buffers_round_trip(tmp_path):
 def test_what_cannot_be_written_is_said_and_leaves_nothing(tmp_path, name, kind, words):
     (tmp_path / "folder.png").mkdir()
     with pytest.raises(kind, match=words):
-        save_picture(tmp_path / name, picture())
+        save(tmp_path / name, picture())
     assert [p.name for p in tmp_path.iterdir()] == ["folder.png"]
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -55,37 +56,49 @@ def display(premultiplied: NDArray) -> NDArray[np.float32]:
     return np.concatenate([encoded_srgb(rgba[..., :3]), rgba[..., 3:]], axis=-1)
 
 
-def save_picture(
-    path: str | PathLike[str],
-    linear: NDArray,
-    *,
-    buffers: Mapping[str, NDArray] | None = None,
-    settings: Mapping[str, Any] | None = None,
-    bits: int = 8,
-    dpi: float | None = None,
-) -> None:
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A finished picture on its way into a file."""
+
+    pixels: NDArray[np.uint8]
+    """(h, w, 4) sRGB-encoded colour and straight alpha."""
+    linear: Callable[[], NDArray]
+    """Gives the picture as premultiplied linear light (h, w, 4), for more than 8 bits."""
+    buffers: Callable[[], Mapping[str, NDArray]] = dict
+    """Gives what becomes layers of OpenEXR; see :data:`_EXR_LAYERS` for the names."""
+    settings: Mapping[str, Any] | None = None
+    """What the picture was made with; written into the file where it can hold it."""
+    bits: int = 8
+    """8 or 16 per channel (PNG and TIFF)."""
+    dpi: float | None = None
+    """Resolution stated in the file, pixels per inch."""
+
+    def encoded(self) -> NDArray:
+        """sRGB-encoded values as unsigned integers of ``bits``; RGB if opaque, else RGBA."""
+        values = self.pixels if self.bits == 8 else quantised(display(self.linear()), self.bits)
+        opaque = bool((values[..., 3] == np.iinfo(values.dtype).max).all())
+        return np.ascontiguousarray(values[..., :3]) if opaque else values
+
+
+def save_picture(path: str | PathLike[str], picture: Picture) -> None:
     """Write a picture in the format that the file name's ending says.
 
     Args:
         path: ``.png``, ``.tif``/``.tiff``, ``.exr``, ``.jpg``/``.jpeg`` or ``.webp``.
-        linear: (h, w, 4) premultiplied linear light.
-        buffers: For OpenEXR, what becomes layers: see :data:`_EXR_LAYERS` for the names.
-        settings: What the picture was made with; written into the file where it can hold it.
-        bits: 8 or 16 per channel (PNG and TIFF).
-        dpi: Resolution stated in the file, pixels per inch.
+        picture: What to write.
 
     Raises:
         SettingsError: No such format.
         SaveError: The file cannot be written; nothing is left half-written.
     """
     writer = format_writer(path)
-    if bits not in (8, 16):
-        raise SettingsError(f"a picture has 8 or 16 bits a channel, not {bits}")
+    if picture.bits not in (8, 16):
+        raise SettingsError(f"a picture has 8 or 16 bits a channel, not {picture.bits}")
     with replacing(path) as file:
-        writer(file, linear, buffers or {}, settings, bits, dpi)
+        writer(file, picture)
 
 
-def format_writer(path: str | PathLike[str]) -> Callable[..., None]:
+def format_writer(path: str | PathLike[str]) -> Callable[[BinaryIO, Picture], None]:
     """The writer for a file name's ending; :class:`SettingsError` if there is none."""
     suffix = Path(path).suffix.lower()
     if suffix not in _WRITERS:
@@ -109,84 +122,66 @@ def save_buffers(path: str | PathLike[str], buffers: Mapping[str, NDArray]) -> N
         np.savez_compressed(file, allow_pickle=False, **buffers)
 
 
-def _opaque(rgba: NDArray) -> NDArray:
-    """Without the alpha channel where it says nothing."""
-    return rgba[..., :3] if np.all(rgba[..., 3] >= 1 - 1e-3) else rgba
-
-
-def _png(
-    file: BinaryIO,
-    linear: NDArray,
-    buffers: Mapping[str, NDArray],
-    settings: Mapping[str, Any] | None,
-    bits: int,
-    dpi: float | None,
-) -> None:
-    pixels = _opaque(display(linear))
+def _png(file: BinaryIO, picture: Picture) -> None:
+    pixels = picture.encoded()
     size = (pixels.shape[1], pixels.shape[0])
-    writer = PngWriter(file, size, pixels.shape[2], bits=bits, dpi=dpi, settings=settings)
+    writer = PngWriter(
+        file,
+        size,
+        pixels.shape[2],
+        bits=picture.bits,
+        dpi=picture.dpi,
+        settings=picture.settings,
+    )
     writer.write_rows(pixels)
     writer.finish()
 
 
-def _tiff(
-    file: BinaryIO,
-    linear: NDArray,
-    buffers: Mapping[str, NDArray],
-    settings: Mapping[str, Any] | None,
-    bits: int,
-    dpi: float | None,
-) -> None:
+def _tiff(file: BinaryIO, picture: Picture) -> None:
     try:
         import tifffile
     except ImportError:
         raise MissingExtraError("TIFF pictures", "export") from None
-    pixels = quantised(_opaque(display(linear)), bits)
+    pixels = picture.encoded()
+    dpi = picture.dpi
     tifffile.imwrite(
         file,
-        np.ascontiguousarray(pixels),
+        pixels,
         photometric="rgb",
         compression="zlib",
         extrasamples=["unassalpha"] if pixels.shape[2] == 4 else None,
         resolution=(dpi, dpi) if dpi else None,
         resolutionunit="inch" if dpi else None,
         software="scuro",
-        description=json.dumps(settings) if settings is not None else None,
+        description=None if picture.settings is None else json.dumps(picture.settings),
         metadata=None,
     )
 
 
-def _exr(
-    file: BinaryIO,
-    linear: NDArray,
-    buffers: Mapping[str, NDArray],
-    settings: Mapping[str, Any] | None,
-    bits: int,
-    dpi: float | None,
-) -> None:
+def _exr(file: BinaryIO, picture: Picture) -> None:
     try:
         import OpenEXR
     except ImportError:
         raise MissingExtraError("OpenEXR pictures", "export") from None
-    channels = dict(zip("RGBA", np.moveaxis(linear.astype(np.float16), -1, 0), strict=True))
-    for name, buffer in buffers.items():
-        names = _EXR_LAYERS.get(name, ())
+    planes = np.moveaxis(picture.linear().astype(np.float16), -1, 0)
+    channels = dict(zip("RGBA", planes, strict=True))
+    for name, buffer in picture.buffers().items():
         planes = buffer[None] if buffer.ndim == 2 else np.moveaxis(buffer, -1, 0)
-        channels.update(zip(names, map(_exr_plane, planes), strict=False))
+        channels.update(zip(_EXR_LAYERS.get(name, ()), map(_exr_plane, planes), strict=False))
     header: dict[str, Any] = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
         "scuro_ids": "number + 1; 0 where nothing is",
     }
-    if settings is not None:
-        header["scuro"] = json.dumps(settings)
-    if dpi is not None:
-        header["xDensity"] = float(dpi)
+    if picture.settings is not None:
+        header["scuro"] = json.dumps(picture.settings)
+    if picture.dpi is not None:
+        header["xDensity"] = float(picture.dpi)
     channels = {name: np.ascontiguousarray(plane) for name, plane in channels.items()}
     try:
         # the library writes to a path only: the file beside is complete when it returns
-        with OpenEXR.File(header, channels) as picture:
-            picture.write(str(file.name))
+        with OpenEXR.File(header, channels) as written:
+            written.write(str(file.name))
     except RuntimeError as error:
         raise OSError(f"OpenEXR says {error}") from None
 
@@ -198,35 +193,31 @@ def _exr_plane(plane: NDArray) -> NDArray:
     return plane.astype(np.float32)
 
 
-def _with_pillow(format: str, **options: Any) -> Callable[..., None]:
-    """A writer of 8-bit pictures without room for settings."""
+def _jpeg(file: BinaryIO, picture: Picture) -> None:
+    from PIL import Image
 
-    def write(
-        file: BinaryIO,
-        linear: NDArray,
-        buffers: Mapping[str, NDArray],
-        settings: Mapping[str, Any] | None,
-        bits: int,
-        dpi: float | None,
-    ) -> None:
-        from PIL import Image
-
-        if format == "JPEG":  # no alpha: lay the picture over white paper
-            linear = linear + (1 - linear[..., 3:])
-        pixels = _opaque(display(linear))
-        extra = {"dpi": (dpi, dpi)} if dpi and format == "JPEG" else {}
-        picture = Image.fromarray(quantised(np.ascontiguousarray(pixels), 8))
-        picture.save(file, format, **options, **extra)
-
-    return write
+    pixels = picture.pixels
+    if pixels[..., 3].min() < 255:  # no alpha in JPEG: lay the picture over white paper
+        linear = picture.linear()
+        pixels = quantised(encoded_srgb(linear[..., :3] + (1 - linear[..., 3:])), 8)
+    extra = {"dpi": (picture.dpi, picture.dpi)} if picture.dpi else {}
+    Image.fromarray(np.ascontiguousarray(pixels[..., :3])).save(
+        file, "JPEG", quality=95, subsampling=0, **extra
+    )
 
 
-_WRITERS: dict[str, Callable[..., None]] = {
+def _webp(file: BinaryIO, picture: Picture) -> None:
+    from PIL import Image
+
+    Image.fromarray(picture.encoded()).save(file, "WEBP", lossless=True)
+
+
+_WRITERS: dict[str, Callable[[BinaryIO, Picture], None]] = {
     ".png": _png,
     ".tif": _tiff,
     ".tiff": _tiff,
     ".exr": _exr,
-    ".jpg": _with_pillow("JPEG", quality=95, subsampling=0),
-    ".jpeg": _with_pillow("JPEG", quality=95, subsampling=0),
-    ".webp": _with_pillow("WEBP", lossless=True),
+    ".jpg": _jpeg,
+    ".jpeg": _jpeg,
+    ".webp": _webp,
 }

@@ -23,6 +23,8 @@ class TargetPool:
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
         self._held: dict[str, tuple[tuple, Any]] = {}
+        self.frame: Frame | None = None
+        """The last frame that drew into these textures: what they hold is its."""
 
     def get(self, name: str, size: Sequence[int], format: str, attachment: bool = False) -> Any:
         """The texture of that name, made anew if size or format changed."""
@@ -57,6 +59,9 @@ class Frame:
     """Width and height of the tile that is drawn, in pixels."""
     resources: dict[str, Any] = field(default_factory=dict)
     constants: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.targets.frame = self
 
     def target(
         self,

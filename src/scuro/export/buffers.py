@@ -1,0 +1,125 @@
+"""What is behind a picture, as arrays in the world's (the file's own) coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.errors import SettingsError
+from scuro.settings import unknown
+
+if TYPE_CHECKING:
+    from scuro.passes.frame import Frame
+
+
+def available(frame: Frame) -> list[str]:
+    """Names of the buffers that a frame can give: those of passes that ran."""
+    optional = {"visibility", "shadow"}
+    return [name for name in _READERS if name not in optional or name in frame.resources]
+
+
+def read_buffer(frame: Frame, name: str) -> NDArray:
+    """One buffer of a frame, (h, w) or (h, w, 3).
+
+    ``position`` (world; NaN where empty), ``normal`` (world, unit; 0 where empty), ``color``
+    (linear base colour), ``depth`` (along -z of the view; infinite where empty), ``atom``,
+    ``instance``, ``object`` (int32, -1 where empty), ``visibility`` (1 is open), ``shadow`` (the
+    lights' mean, 1 is lit), ``linear`` (the picture as premultiplied linear light, h, w, 4).
+
+    Raises:
+        SettingsError: The frame has no such buffer.
+    """
+    known = available(frame)
+    if name not in known:
+        if name in _READERS:
+            raise SettingsError(f"there is no '{name}' buffer: no pass of this picture makes it")
+        raise SettingsError(unknown("buffer", name, known))
+    return _READERS[name](frame)
+
+
+def read_buffers(frame: Frame) -> dict[str, NDArray]:
+    """All buffers but ``linear``, and the camera as 4×4 matrices for column vectors.
+
+    ``view_from_world`` and ``clip_from_view`` (reversed depth: 1 at the near plane, 0 far away).
+    """
+    found = {name: read_buffer(frame, name) for name in available(frame) if name != "linear"}
+    depth = found["depth"][np.isfinite(found["depth"])]
+    near, far = (depth.min() * 0.99, depth.max() * 1.01) if depth.size else (0.1, 1.0)
+    width, height = frame.size
+    camera = frame.camera
+    if camera.orthographic and far - near < 1e-6:
+        far = near + 1.0
+    found["view_from_world"] = camera.view_from_world()
+    found["clip_from_view"] = camera.clip_from_view(width / height, float(near), float(far))
+    return found
+
+
+def _texture(frame: Frame, name: str) -> NDArray:
+    return frame.gpu.read_texture(frame.resources[name])
+
+
+def _depth(frame: Frame) -> NDArray[np.float32]:
+    depth = _texture(frame, "surface")[..., 3]
+    return np.where(depth > 0, depth, np.float32(np.inf))
+
+
+def _normal(frame: Frame) -> NDArray[np.float32]:
+    # scene space is the world moved: directions are the same
+    return _texture(frame, "surface")[..., :3].copy()
+
+
+def _color(frame: Frame) -> NDArray[np.float32]:
+    return _texture(frame, "albedo")[..., :3].astype(np.float32)
+
+
+def _id(channel: int) -> Callable[[Frame], NDArray]:
+    return lambda frame: _texture(frame, "ids")[..., channel].astype(np.int64).astype(np.int32)
+
+
+def _position(frame: Frame) -> NDArray[np.float32]:
+    """From depth through the camera, in double precision: large coordinates lose nothing."""
+    depth = _depth(frame).astype(np.float64)
+    width, height = frame.size
+    half = frame.camera.half_height()
+    x = ((np.arange(width) + 0.5) / width * 2 - 1) * half * width / height
+    y = (1 - (np.arange(height) + 0.5) / height * 2) * half
+    scale = np.ones_like(depth) if frame.camera.orthographic else depth
+    empty = ~np.isfinite(depth)
+    depth[empty] = scale[empty] = np.nan
+    view = np.stack([x[None, :] * scale, y[:, None] * scale, -depth, np.ones_like(depth)], axis=-1)
+    world = view @ np.linalg.inv(frame.camera.view_from_world()).T
+    return world[..., :3].astype(np.float32)
+
+
+def _scalar(name: str) -> Callable[[Frame], NDArray]:
+    def read(frame: Frame) -> NDArray[np.float32]:
+        values = _texture(frame, name).astype(np.float32)
+        return values if values.ndim == 2 else values.mean(axis=-1)
+
+    return read
+
+
+def _linear(frame: Frame) -> NDArray[np.float32]:
+    from scuro.style.paint import linear_rgba
+
+    over = _texture(frame, "color").astype(np.float32)
+    r, g, b, a = linear_rgba(frame.settings.background)
+    under = np.array([r * a, g * a, b * a, a], np.float32)
+    return over + under * (1 - over[..., 3:])
+
+
+_READERS: dict[str, Callable[[Frame], NDArray]] = {
+    "position": _position,
+    "normal": _normal,
+    "color": _color,
+    "depth": _depth,
+    "atom": _id(0),
+    "instance": _id(1),
+    "object": _id(2),
+    "visibility": _scalar("visibility"),
+    "shadow": _scalar("shadow"),
+    "linear": _linear,
+}
