@@ -1,0 +1,73 @@
+"""GROMACS GRO: fixed columns, nanometres, numbers that wrap at 99,999."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scuro.errors import LoadError
+from scuro.load.columns import fixed_floats, fixed_integers, strip
+from scuro.load.pdb import Lines
+from scuro.load.source import Source
+from scuro.load.table import AtomTable
+
+ANGSTROM = 10.0
+"""Å in a nanometre."""
+
+
+def read_table(source: Source) -> AtomTable:
+    """All frames; the frame's number is the model.
+
+    Raises:
+        LoadError: The count is missing, the file ends before it, or a number cannot be read.
+    """
+    lines = Lines(source.data)
+    chosen, model = _frames(source, lines)
+
+    def bad(axis: str):
+        return lambda i: LoadError(
+            source.name, f"the atom's {axis} cannot be read", int(chosen[i]) + 1
+        )
+
+    # the distance between decimal points gives the columns' width (more digits are allowed)
+    head = bytes(lines.codes[chosen[0]])
+    points = [i for i, c in enumerate(head) if c == ord(".") and i >= 20]
+    width = points[1] - points[0] if len(points) >= 2 else 8
+    positions = np.empty((len(chosen), 3), np.float32)
+    for axis in range(3):
+        first = 21 + axis * width
+        text = lines.columns(chosen, first, first + width - 1)
+        positions[:, axis] = ANGSTROM * fixed_floats(text, bad("xyz"[axis]))
+    number, _ = fixed_integers(lines.columns(chosen, 1, 5))
+    serial, _ = fixed_integers(lines.columns(chosen, 16, 20))
+    return AtomTable(
+        name=source.stem,
+        positions=positions,
+        atom_name=strip(lines.columns(chosen, 11, 15)),
+        residue_name=strip(lines.columns(chosen, 6, 10)),
+        residue_number=number.astype(np.int32),
+        chain=np.zeros(len(chosen), np.int32),
+        chain_names=("",),
+        serial=serial,
+        model=model,
+    )
+
+
+def _frames(source: Source, lines: Lines) -> tuple[np.ndarray, np.ndarray]:
+    """Lines of the atoms, and the model of each."""
+    chosen, models = [], []
+    at, total = 0, len(lines.codes)
+    while at + 1 < total and bytes(lines.codes[at : at + 2]).strip():
+        count_text = bytes(lines.codes[at + 1]).strip()
+        if not count_text.isdigit():
+            raise LoadError(source.name, "expected the number of atoms: not a GRO file?", at + 2)
+        count = int(count_text)
+        if at + 2 + count > total:
+            raise LoadError(
+                source.name, f"{count} atoms are announced, but the file ends before", at + 2
+            )
+        chosen.append(np.arange(at + 2, at + 2 + count))
+        models.append(np.full(count, len(models) + 1, np.int32))
+        at += 3 + count  # the box's line ends the frame
+    if not chosen or not sum(map(len, chosen)):
+        raise LoadError(source.name, "has no atoms")
+    return np.concatenate(chosen), np.concatenate(models)
