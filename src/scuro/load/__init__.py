@@ -34,7 +34,6 @@ READERS: dict[str, tuple[str, str]] = {
     ".mol2": (_STRUCTURE, "read_mol2"),
     ".xyz": (_STRUCTURE, "read_xyz"),
     ".gro": (_STRUCTURE, "read_gro"),
-    ".psf": (_STRUCTURE, "read_psf"),
 }
 """Suffix (lower case, without ``.gz``) to the module and function that reads it."""
 

@@ -105,7 +105,9 @@ class BinaryCif:
         self.blocks = msgpack.unpackb(data, strict_map_key=False)["dataBlocks"]
         if not self.blocks:
             raise ValueError("the file has no data block")
-        holding = [b for b in self.blocks if any(c["name"] == "_atom_site" for c in b["categories"])]
+        holding = [
+            b for b in self.blocks if any(c["name"] == "_atom_site" for c in b["categories"])
+        ]
         self.block = (holding or self.blocks)[0]
         self.name = str(self.block.get("header", ""))
         self._categories = {c["name"].lstrip("_"): c for c in self.block["categories"]}

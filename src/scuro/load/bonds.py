@@ -208,7 +208,9 @@ def _by_distance(molecule: Molecule, known: NDArray[np.bool_]) -> NDArray[np.int
     same = molecule.residue[a] == molecule.residue[b]
     lonely = (molecule.kind == ION) | (molecule.kind == SOLVENT)
     good &= same | ~(lonely[a] | lonely[b] | hydrogen[a] | hydrogen[b])
-    good &= (molecule.model[a] == molecule.model[b]) & (molecule.element[a] * molecule.element[b] > 0)
+    good &= (molecule.model[a] == molecule.model[b]) & (
+        molecule.element[a] * molecule.element[b] > 0
+    )
     alternate = (molecule.altloc[a] != "") & (molecule.altloc[b] != "")
     good &= ~(alternate & (molecule.altloc[a] != molecule.altloc[b]))
     return pairs[good].astype(np.int64)

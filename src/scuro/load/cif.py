@@ -8,8 +8,6 @@ quotes, text blocks) is left to gemmi.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-
 import gemmi
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +15,10 @@ from numpy.typing import NDArray
 from scuro.load.columns import fixed_floats
 from scuro.load.table import text
 
-CHUNK = 1 << 22
+CHUNK = 1 << 20
 """Bytes split at once: what fits a processor's cache beats one pass over all."""
+MAX_WORD = 256
+"""Longest word that numpy splits off."""
 
 
 class TextColumn:
@@ -103,24 +103,24 @@ def _cut(data: bytes, prefix: bytes) -> tuple[tuple[list[str], bytes] | None, by
     return (tags, data[head.end() : end]), data[: head.start()] + data[end:]
 
 
-def _split(
-    tags: list[str], body: bytes, wanted: frozenset[str]
-) -> dict[str, TextColumn] | None:
+def _split(tags: list[str], body: bytes, wanted: frozenset[str]) -> dict[str, TextColumn] | None:
     """Columns of a loop's body; None where it is not plain words between blanks."""
     kept = [(i, tag) for i, tag in enumerate(tags) if tag in wanted]
     parts: dict[str, list[NDArray[np.bytes_]]] = {tag: [] for _, tag in kept}
-    for chunk in _chunks(body):
-        codes = np.frombuffer(chunk, np.uint8)
-        word = codes > 32
-        edges = np.flatnonzero(word[1:] != word[:-1]) + 1
-        if word[0]:
-            edges = np.r_[0, edges]
-        if word[-1]:
-            edges = np.r_[edges, len(codes)]
-        if len(edges) == 0:
-            continue
+    # blanks around the body give every word two edges and every window of characters its width
+    codes = np.frombuffer(b"\n" + body + b"\n" * MAX_WORD, np.uint8)
+    blank = codes <= 32
+    start, last = 0, len(body) + 1
+    while start < last:
+        end = min(start + CHUNK, last)
+        if end < last:  # on to the end of the line
+            end += int(np.argmax(codes[end:] == ord("\n")))
+        edges = np.flatnonzero(blank[start + 1 : end + 1] != blank[start:end]) + (start + 1)
+        start = end
         if len(edges) % (2 * len(tags)):
             return None
+        if len(edges) == 0:
+            continue
         spans = edges.reshape(-1, len(tags), 2)
         for i, tag in kept:
             values = _words(codes, spans[:, i, 0], spans[:, i, 1])
@@ -132,30 +132,18 @@ def _split(
     return {tag: TextColumn(np.concatenate(chunks)) for tag, chunks in parts.items()}
 
 
-def _chunks(body: bytes) -> Iterator[bytes]:
-    start = 0
-    while start < len(body):
-        end = body.find(b"\n", start + CHUNK)
-        end = len(body) if end < 0 else end + 1
-        yield body[start:end]
-        start = end
-
-
 def _words(codes: NDArray[np.uint8], start: NDArray, end: NDArray) -> NDArray[np.bytes_] | None:
     """Text between ``start`` and ``end``, quotes taken off, ``.`` and ``?`` made empty."""
     first, length = codes[start], end - start
-    if (first == ord(";")).any():
+    if (first == ord(";")).any() or int(length.max()) > MAX_WORD:
         return None
     quoted = (first == ord('"')) | (first == ord("'"))
     if quoted.any():
         if (quoted & ((codes[end - 1] != first) | (length < 2))).any():
             return None  # a quoted value with a blank inside
         start, length = start + quoted, length - 2 * quoted
+    length[(length == 1) & ~quoted & ((first == ord(".")) | (first == ord("?")))] = 0
     width = max(int(length.max()), 1)
-    columns = np.arange(width)
-    padded = codes if int(start[-1]) + width <= len(codes) else np.r_[codes, np.zeros(width, "u1")]
-    values = np.lib.stride_tricks.sliding_window_view(padded, width)[start]
-    values[columns >= length[:, None]] = 0
-    missing = (length == 1) & ~quoted & ((first == ord(".")) | (first == ord("?")))
-    values[missing] = 0
+    values = np.lib.stride_tricks.sliding_window_view(codes, width)[start]
+    values *= np.arange(width) < length[:, None]
     return values.view(f"S{width}").ravel()

@@ -30,16 +30,13 @@ def fixed_floats(
             elements get ``default``.
         default: See ``bad``.
     """
-    try:
-        values = columns.astype(np.float64)
-        if np.isfinite(values).all():
-            return values
-    except ValueError:
-        values = None
-    # something is wrong: look only at the distinct texts to find which
-    distinct, inverse = np.unique(columns, return_inverse=True)
+    values, good = decimals(columns)
+    if good.all():
+        return values
+    # exponents, NaN and damage: look at the distinct texts one by one
+    distinct, inverse = np.unique(columns[~good], return_inverse=True)
     numbers = np.array([_number(text) for text in distinct.tolist()], np.float64)
-    values = numbers[inverse.ravel()]
+    values[~good] = numbers[inverse.ravel()]
     wrong = ~np.isfinite(values)
     if bad is not None and wrong.any():
         raise bad(int(np.argmax(wrong)))
@@ -66,14 +63,11 @@ def fixed_integers(
     Returns:
         The numbers (0 where unreadable) and a mask of the unreadable ones.
     """
-    try:
-        return columns.astype(np.int64), np.zeros(len(columns), bool)
-    except (ValueError, OverflowError):
-        pass
-    plain = _plain_integers(columns)
-    rest = np.flatnonzero(plain < 0)
-    values = plain.copy()
-    bad = np.zeros(len(columns), bool)
+    decimal, good = decimals(columns, point=False)
+    values, bad = decimal.astype(np.int64), ~good
+    if good.all():
+        return values, bad
+    rest = np.flatnonzero(bad)
     distinct, inverse = np.unique(columns[rest], return_inverse=True)
     read = [_integer(text, columns.dtype.itemsize, hybrid) for text in distinct.tolist()]
     numbers = np.array([0 if v is None else v for v in read], np.int64)
@@ -83,18 +77,68 @@ def fixed_integers(
     return values, bad
 
 
-def _plain_integers(columns: NDArray[np.bytes_]) -> NDArray[np.int64]:
-    """Unsigned right-aligned decimal numbers; -1 where a text is anything else."""
-    codes = np.ascontiguousarray(columns).view(np.uint8).reshape(len(columns), -1)
-    value = np.zeros(len(columns), np.int64)
-    started = np.zeros(len(columns), bool)
-    good = np.ones(len(columns), bool)
-    for column in codes.T:
-        digit = (column >= 48) & (column <= 57)
-        value = np.where(digit, value * 10 + column - 48, value)
-        good &= digit | ((column == 32) & ~started)
-        started |= digit
-    return np.where(good & started, value, -1)
+MAX_DIGITS = 15
+"""So many decimal digits are exact in a float64; longer texts are left to Python."""
+_ROWS = 1 << 15
+"""Rows converted at once: they stay in the processor's cache."""
+_DIGIT = np.zeros(256)
+_DIGIT[48:58] = np.arange(10)
+
+
+def decimals(
+    columns: NDArray[np.bytes_], point: bool = True
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Plain decimal numbers (``-12.345``, blanks around them allowed), correctly rounded.
+
+    Several times as fast as numpy's own conversion: texts with the point in the same place differ
+    only in their digits, so each is a product of a digit matrix with powers of ten.
+
+    Args:
+        columns: (n,) text.
+        point: Whether a decimal point is allowed.
+
+    Returns:
+        The numbers, and a mask of the texts that are such numbers.
+    """
+    width = max(columns.dtype.itemsize, 1)
+    codes = np.ascontiguousarray(columns).view(np.uint8).reshape(len(columns), width)
+    values, good = np.zeros(len(columns)), np.zeros(len(columns), bool)
+    if width > MAX_DIGITS:
+        return values, good
+    for start in range(0, len(columns), _ROWS):
+        rows = slice(start, start + _ROWS)
+        values[rows], good[rows] = _decimals(codes[rows], point)
+    return values, good
+
+
+def _decimals(
+    codes: NDArray[np.uint8], point: bool
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    # character by character over all rows: rows are contiguous once transposed
+    columns = np.ascontiguousarray(codes.T)
+    width, count = columns.shape
+    is_solid = (columns != 32) & (columns != 0)
+    is_digit = (columns - np.uint8(48)) < 10
+    is_dot, is_minus = columns == ord("."), columns == ord("-")
+    is_sign = is_minus | (columns == ord("+"))
+    good = (is_digit | is_dot | is_sign | ~is_solid).all(axis=0) & is_digit.any(axis=0)
+    good &= ~(is_sign[1:] & is_solid[:-1]).any(axis=0)
+    runs = is_solid[0] + (is_solid[1:] & ~is_solid[:-1]).sum(axis=0, dtype=np.uint8)
+    dots = is_dot.sum(axis=0, dtype=np.uint8)
+    good &= (runs == 1) & (dots <= int(point))
+    # where the point is, or would be: behind the last digit
+    place = np.zeros(count, np.uint8)
+    for i in range(width):
+        np.copyto(place, i + 1, where=is_digit[i] & (dots == 0))
+        np.copyto(place, i, where=is_dot[i])
+    digits = _DIGIT[columns]
+    values = np.zeros(count)
+    for p in np.flatnonzero(np.bincount(place)).tolist():
+        power = np.arange(width)[::-1].astype(np.float64)
+        power[:p] -= p < width  # the point itself takes no place
+        scaled = 10**power @ digits / 10.0 ** max(width - 1 - p, 0)
+        np.copyto(values, scaled, where=place == p)
+    return np.where(is_minus.any(axis=0), -values, values), good
 
 
 def _integer(text: bytes, width: int, hybrid: bool) -> int | None:

@@ -82,7 +82,9 @@ def read_table(source: Source, file: File) -> AtomTable:
     sequence = integers("label_seq_id")
     if number is None or not number.any():
         number = sequence if sequence is not None else np.zeros(count, np.int64)
-    entity, entity_of_chain, entity_names, types = _entities(file, required("label_entity_id"), heads)
+    entity, entity_of_chain, entity_names, types = _entities(
+        file, required("label_entity_id"), heads
+    )
     symbols = words("type_symbol")
     del label, entity
     return AtomTable(
@@ -135,7 +137,9 @@ def _entities(
         return np.where(place >= 0, values[place], b"")
 
     described, types = column("pdbx_description"), column("type")
-    names = strings(distinct if described is None else np.where(described == b"", distinct, described))
+    names = strings(
+        distinct if described is None else np.where(described == b"", distinct, described)
+    )
     return distinct, of_chain, names, types
 
 
@@ -154,9 +158,7 @@ def _polymer(
 
 def _texts(table: dict[str, Column], names: tuple[str, ...], count: int) -> NDArray[np.bytes_]:
     """(count, len(names)) text of several columns, empty where one is missing."""
-    columns = [
-        table[name].bytes_() if name in table else np.zeros(count, "S1") for name in names
-    ]
+    columns = [table[name].bytes_() if name in table else np.zeros(count, "S1") for name in names]
     return np.stack(columns, axis=1)
 
 

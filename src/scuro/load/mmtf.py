@@ -120,7 +120,9 @@ def _bonds(
             continue
         first = starts[:-1][group_type == number]
         pairs.append((first[:, None, None] + local).reshape(-1, 2))
-        orders.append(np.tile(order if len(order) == len(local) else np.zeros(len(local)), len(first)))
+        orders.append(
+            np.tile(order if len(order) == len(local) else np.zeros(len(local)), len(first))
+        )
     between = np.asarray(file.get("bondAtomList", []), np.int64).reshape(-1, 2)
     order = np.asarray(file.get("bondOrderList", []), np.int64)
     pairs.append(between)

@@ -67,7 +67,7 @@ class Source:
                 ) from None
             except (OSError, zlib.error) as error:
                 raise LoadError(self.name, f"the gzip is damaged ({error})") from None
-        if not data.strip():
+        if not data or data.isspace():
             raise LoadError(self.name, "the file is empty")
         return data
 

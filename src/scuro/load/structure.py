@@ -21,7 +21,9 @@ def _reading(source: Source, format: str) -> Iterator[None]:
     except LoadError:
         raise
     except MemoryError:
-        raise LoadError(source.name, "does not fit into memory, or its lengths are damaged") from None
+        raise LoadError(
+            source.name, "does not fit into memory, or its lengths are damaged"
+        ) from None
     except Exception as error:
         said = " ".join(str(error).split())[:120] or type(error).__name__
         raise LoadError(source.name, f"is damaged, or is not {format} ({said})") from error

@@ -35,9 +35,7 @@ def read_table(source: Source) -> AtomTable:
             line += 1
             continue
         if len(head) != 1 or not head[0].isdigit():
-            raise LoadError(
-                source.name, "expected the number of atoms: not an XYZ file?", line + 1
-            )
+            raise LoadError(source.name, "expected the number of atoms: not an XYZ file?", line + 1)
         count = int(head[0])
         if line + 2 + count > lines:
             raise LoadError(
