@@ -34,6 +34,7 @@ READERS: dict[str, tuple[str, str]] = {
     ".mol2": (_STRUCTURE, "read_mol2"),
     ".xyz": (_STRUCTURE, "read_xyz"),
     ".gro": (_STRUCTURE, "read_gro"),
+    ".psf": (_STRUCTURE, "read_psf"),
 }
 """Suffix (lower case, without ``.gz``) to the module and function that reads it."""
 
@@ -61,11 +62,12 @@ def load(
         changes["model"] = str(changes["model"])
     chosen = (options or LoadOptions()).replace(**changes)
     source = open_source(name)
-    module, function = _reader(source, format)
+    module, function = find_reader(source, format)
     return getattr(import_module(module), function)(source, chosen)
 
 
-def _reader(source: Source, format: str | None) -> tuple[str, str]:
+def find_reader(source: Source, format: str | None = None) -> tuple[str, str]:
+    """Module and function that read a source: by the format said, the suffix, or the content."""
     if format is not None:
         suffix = f".{format.lower().lstrip('.')}"
         if suffix not in READERS:

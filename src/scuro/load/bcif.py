@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import msgpack
@@ -54,7 +55,7 @@ class Column:
             index = decode(self.encoded["data"], step["dataEncoding"]).astype(np.int64)
             offsets = decode(step["offsets"], step["offsetEncoding"]).astype(np.int64).tolist()
             joined = step["stringData"]
-            names = [joined[a:b] for a, b in zip(offsets[:-1], offsets[1:], strict=True)]
+            names = [joined[a:b] for a, b in pairwise(offsets)]
         missing = (index < 0) | (index >= len(names))
         if self.mask is not None:
             missing |= self.mask != 0

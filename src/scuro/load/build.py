@@ -23,13 +23,29 @@ def build(source: Source, table: AtomTable, options: LoadOptions) -> Molecule:
     Raises:
         LoadError: No atoms, coordinates that are not finite, no such model, or nothing left.
     """
+    notes = list(table.notes)
+    rows, element, kind = _choose(source, table, options, notes)
+    return _molecule(source, table, rows, element, kind, notes)
+
+
+def chosen_rows(source: Source, table: AtomTable, options: LoadOptions) -> NDArray[np.intp]:
+    """Rows of the table that :func:`build` keeps.
+
+    Raises:
+        LoadError: As :func:`build`.
+    """
+    return _choose(source, table, options, [])[0]
+
+
+def _choose(
+    source: Source, table: AtomTable, options: LoadOptions, notes: list[str]
+) -> tuple[NDArray[np.intp], NDArray[np.uint8], NDArray[np.uint8]]:
+    """Rows to keep, and element and kind of all rows."""
     if len(table) == 0:
         raise LoadError(source.name, "has no atoms")
     _check_finite(source, table)
-    notes = list(table.notes)
     keep = _chosen_model(source, table, options)
     keep &= _chosen_altlocs(table, options, keep, notes)
-
     heads, residue = _residues(table)
     element = _elements(table)
     kind = residue_kinds(table, heads, residue, element)[residue]
@@ -41,11 +57,15 @@ def build(source: Source, table: AtomTable, options: LoadOptions) -> Molecule:
         keep &= (kind != LIGAND) & (kind != ION)
     if not keep.any():
         raise LoadError(source.name, "nothing is left of it: the options drop all of its atoms")
-    return _molecule(source, table, np.flatnonzero(keep), element, kind, notes)
+    return np.flatnonzero(keep), element, kind
 
 
 def _check_finite(source: Source, table: AtomTable) -> None:
     wrong = ~np.isfinite(table.positions).all(axis=1)
+    if wrong.all():
+        raise LoadError(
+            source.name, "has no coordinates; name the trajectory that has them (option trajectory)"
+        )
     if wrong.any():
         first = int(np.argmax(wrong))
         raise LoadError(

@@ -8,6 +8,7 @@ quotes, text blocks) is left to gemmi.
 from __future__ import annotations
 
 import re
+
 import gemmi
 import numpy as np
 from numpy.typing import NDArray

@@ -15,11 +15,12 @@ from scuro.load.source import Source
 from scuro.load.table import AtomTable, FileBonds, Links, SecondaryRanges, first_seen, strings
 from scuro.scene.molecule import HELIX, STRAND, AssemblyPart
 
-ATOM_COLUMNS = frozenset(
+_ATOM_COLUMNS = (
     "group_PDB id type_symbol label_atom_id auth_atom_id label_alt_id label_comp_id auth_comp_id "
     "label_asym_id auth_asym_id label_entity_id label_seq_id auth_seq_id pdbx_PDB_ins_code "
-    "Cartn_x Cartn_y Cartn_z occupancy B_iso_or_equiv pdbx_formal_charge pdbx_PDB_model_num".split()
+    "Cartn_x Cartn_y Cartn_z occupancy B_iso_or_equiv pdbx_formal_charge pdbx_PDB_model_num"
 )
+ATOM_COLUMNS = frozenset(_ATOM_COLUMNS.split())
 """The columns of ``atom_site`` that are read."""
 
 
@@ -36,6 +37,20 @@ class File(Protocol):
     name: str
 
     def category(self, name: str) -> dict[str, Column]: ...
+
+
+def read_text(source: Source) -> AtomTable:
+    """The atoms of an mmCIF file, see :func:`read_table`."""
+    from scuro.load.cif import TextCif
+
+    return read_table(source, TextCif(source.data, ATOM_COLUMNS))
+
+
+def read_binary(source: Source) -> AtomTable:
+    """The atoms of a BinaryCIF file, see :func:`read_table`."""
+    from scuro.load.bcif import BinaryCif
+
+    return read_table(source, BinaryCif(source.data))
 
 
 def read_table(source: Source, file: File) -> AtomTable:
@@ -73,7 +88,7 @@ def read_table(source: Source, file: File) -> AtomTable:
         values = site[name].numbers(0)
         return values if values.dtype.kind in "iu" else np.nan_to_num(values).astype(np.int64)
 
-    label, author = words("label_asym_id", "auth_asym_id"), words("auth_asym_id", "label_asym_id")
+    author = words("auth_asym_id", "label_asym_id")
     chain, labels = first_seen(required("label_asym_id", "auth_asym_id"))
     heads = np.unique(chain, return_index=True)[1]
     names = strings(labels if author is None else author[heads])
@@ -82,11 +97,8 @@ def read_table(source: Source, file: File) -> AtomTable:
     sequence = integers("label_seq_id")
     if number is None or not number.any():
         number = sequence if sequence is not None else np.zeros(count, np.int64)
-    entity, entity_of_chain, entity_names, types = _entities(
-        file, required("label_entity_id"), heads
-    )
+    entity_of_chain, entity_names, types = _entities(file, required("label_entity_id"), heads)
     symbols = words("type_symbol")
-    del label, entity
     return AtomTable(
         name=file.name or source.stem,
         positions=positions,
@@ -121,12 +133,12 @@ def _floats(site: dict[str, Column], name: str, missing: float) -> NDArray[np.fl
 
 def _entities(
     file: File, of_atom: NDArray[np.bytes_], heads: NDArray[np.intp]
-) -> tuple[NDArray[np.bytes_], NDArray[np.int32], tuple[str, ...], NDArray[np.bytes_] | None]:
-    """Distinct entity ids, entity of each chain, names, and types (None where not given)."""
+) -> tuple[NDArray[np.int32], tuple[str, ...], NDArray[np.bytes_] | None]:
+    """Entity of each chain, entities' names, and their types (None where not given)."""
     of_chain, distinct = first_seen(of_atom[heads])
     table = file.category("entity")
     if "id" not in table:
-        return distinct, of_chain, strings(distinct), None
+        return of_chain, strings(distinct), None
     rows = {key: i for i, key in enumerate(table["id"].bytes_().tolist())}
     place = np.array([rows.get(key, -1) for key in distinct.tolist()])
 
@@ -140,7 +152,7 @@ def _entities(
     names = strings(
         distinct if described is None else np.where(described == b"", distinct, described)
     )
-    return distinct, of_chain, names, types
+    return of_chain, names, types
 
 
 def _polymer(

@@ -34,3 +34,7 @@ class LoadOptions(SettingsGroup):
     hydrogens: bool = setting(True, "keep hydrogen atoms")
     waters: bool = setting(True, "keep water")
     ligands: bool = setting(True, "keep ligands and ions")
+    trajectory: str | None = setting(
+        None, "a trajectory (XTC, TRR, DCD) with coordinates for the structure's atoms"
+    )
+    frame: int = setting(0, "which frame of the trajectory, from 0; -1 is the last")

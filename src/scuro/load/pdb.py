@@ -54,17 +54,30 @@ class Lines:
         return part.view(f"S{last - first + 1}").ravel()
 
 
-def read_table(source: Source, pqr: bool = False) -> AtomTable:
-    """Read a PDB file; with ``pqr`` the blank-separated PQR variant.
+def read_table(source: Source) -> AtomTable:
+    """The atoms of a PDB file.
 
     Raises:
-        LoadError: No atoms, or a line whose numbers cannot be read (names the line).
+        LoadError: No atoms, or a line whose coordinates cannot be read (names the line).
     """
+    return _pdb_table(source, *_atom_lines(source))
+
+
+def read_pqr(source: Source) -> AtomTable:
+    """The atoms of a PQR file: PDB's records, separated by blanks, with charges and radii.
+
+    Raises:
+        LoadError: No atoms, or fields that cannot be read.
+    """
+    return _pqr_table(source, *_atom_lines(source))
+
+
+def _atom_lines(source: Source) -> tuple[Lines, NDArray[np.intp]]:
     lines = Lines(source.data)
     rows = lines.of(b"ATOM  ", b"HETATM", b"ATOM", b"HETATM")
     if len(rows) == 0:
         raise LoadError(source.name, "has no atoms (no line begins with ATOM or HETATM)")
-    return _pqr_table(source, lines, rows) if pqr else _pdb_table(source, lines, rows)
+    return lines, rows
 
 
 def _pdb_table(source: Source, lines: Lines, rows: NDArray) -> AtomTable:

@@ -100,7 +100,7 @@ def _links(lines: Lines, chains: tuple[str, ...]) -> Links | None:
 def read_entities(
     lines: Lines, chains: tuple[str, ...]
 ) -> tuple[NDArray[np.int32] | None, tuple[str, ...]]:
-    """Molecules of the COMPND records and the chains they own; (None, ()) where they say nothing."""
+    """COMPND: the entity of each chain, and their names; (None, ()) where it says nothing."""
     rows = lines.of(b"COMPND")
     told = " ".join(s.decode("latin-1").strip() for s in lines.columns(rows, 11, 80).tolist())
     names: list[str] = []

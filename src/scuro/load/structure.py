@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from functools import partial
+from importlib import import_module
 
 from scuro.errors import LoadError
 from scuro.load.build import build
@@ -12,94 +12,58 @@ from scuro.load.source import Source
 from scuro.load.table import AtomTable
 from scuro.scene.molecule import Molecule
 
+_FORMATS = {
+    "pdb": ("a PDB file", "scuro.load.pdb", "read_table"),
+    "pqr": ("a PQR file", "scuro.load.pdb", "read_pqr"),
+    "cif": ("an mmCIF file", "scuro.load.mmcif", "read_text"),
+    "bcif": ("a BinaryCIF file", "scuro.load.mmcif", "read_binary"),
+    "mmtf": ("an MMTF file", "scuro.load.mmtf", "read_table"),
+    "sdf": ("an SD file", "scuro.load.mdl", "read_table"),
+    "mol2": ("a MOL2 file", "scuro.load.mol2", "read_table"),
+    "xyz": ("an XYZ file", "scuro.load.xyz", "read_table"),
+    "gro": ("a GRO file", "scuro.load.gro", "read_table"),
+    "psf": ("a PSF file", "scuro.load.psf", "read_table"),
+}
+"""Format to its name in sentences, and the module and function that fill an AtomTable."""
 
-@contextmanager
-def _reading(source: Source, format: str) -> Iterator[None]:
-    """Whatever goes wrong while decoding damaged bytes is the file's fault: say so."""
+
+def read(format: str, source: Source, options: LoadOptions) -> Molecule:
+    """Read a structure file; with a trajectory, at the frame that the options name.
+
+    Raises:
+        LoadError: The file is damaged, has no atoms, or nothing is left of it.
+    """
+    if options.trajectory is not None:
+        from scuro.load.trajectory import Trajectory
+
+        return Trajectory.open(format, source, options).at(options.frame)
+    return build(source, read_table(format, source), options)
+
+
+def read_table(format: str, source: Source) -> AtomTable:
+    """All atoms of a file. Whatever goes wrong while decoding is the file's fault: say so."""
+    label, module, function = _FORMATS[format]
+    data = source.data  # its own errors come first
     try:
-        yield
+        return getattr(import_module(module), function)(source)
     except LoadError:
         raise
     except MemoryError:
         raise LoadError(
-            source.name, "does not fit into memory, or its lengths are damaged"
+            source.name, f"{len(data)} bytes do not fit into memory, or its lengths are damaged"
         ) from None
     except Exception as error:
         said = " ".join(str(error).split())[:120] or type(error).__name__
-        raise LoadError(source.name, f"is damaged, or is not {format} ({said})") from error
+        raise LoadError(source.name, f"is damaged, or is not {label} ({said})") from error
 
 
-def _read(
-    source: Source, options: LoadOptions, format: str, table: Callable[[], AtomTable]
-) -> Molecule:
-    with _reading(source, format):
-        return build(source, table(), options)
-
-
-def read_pdb(source: Source, options: LoadOptions) -> Molecule:
-    """A PDB file."""
-    from scuro.load import pdb
-
-    return _read(source, options, "a PDB file", lambda: pdb.read_table(source))
-
-
-def read_pqr(source: Source, options: LoadOptions) -> Molecule:
-    """A PQR file: PDB with charges and radii."""
-    from scuro.load import pdb
-
-    return _read(source, options, "a PQR file", lambda: pdb.read_table(source, pqr=True))
-
-
-def read_cif(source: Source, options: LoadOptions) -> Molecule:
-    """An mmCIF file."""
-    from scuro.load import cif, mmcif
-
-    def table() -> AtomTable:
-        return mmcif.read_table(source, cif.TextCif(source.data, mmcif.ATOM_COLUMNS))
-
-    return _read(source, options, "an mmCIF file", table)
-
-
-def read_bcif(source: Source, options: LoadOptions) -> Molecule:
-    """A BinaryCIF file."""
-    from scuro.load import bcif, mmcif
-
-    def table() -> AtomTable:
-        return mmcif.read_table(source, bcif.BinaryCif(source.data))
-
-    return _read(source, options, "a BinaryCIF file", table)
-
-
-def read_mmtf(source: Source, options: LoadOptions) -> Molecule:
-    """An MMTF file (the PDB's former compressed format)."""
-    from scuro.load import mmtf
-
-    return _read(source, options, "an MMTF file", lambda: mmtf.read_table(source))
-
-
-def read_sdf(source: Source, options: LoadOptions) -> Molecule:
-    """An MDL mol or SD file, V2000 or V3000; records are models."""
-    from scuro.load import mdl
-
-    return _read(source, options, "an SD file", lambda: mdl.read_table(source))
-
-
-def read_mol2(source: Source, options: LoadOptions) -> Molecule:
-    """A Tripos MOL2 file; molecules are models."""
-    from scuro.load import mol2
-
-    return _read(source, options, "a MOL2 file", lambda: mol2.read_table(source))
-
-
-def read_xyz(source: Source, options: LoadOptions) -> Molecule:
-    """An XYZ file; frames are models."""
-    from scuro.load import xyz
-
-    return _read(source, options, "an XYZ file", lambda: xyz.read_table(source))
-
-
-def read_gro(source: Source, options: LoadOptions) -> Molecule:
-    """A GROMACS GRO file; frames are models."""
-    from scuro.load import gro
-
-    return _read(source, options, "a GRO file", lambda: gro.read_table(source))
+read_pdb = partial(read, "pdb")
+read_pqr = partial(read, "pqr")
+read_cif = partial(read, "cif")
+read_bcif = partial(read, "bcif")
+read_mmtf = partial(read, "mmtf")
+read_sdf = partial(read, "sdf")
+read_mol2 = partial(read, "mol2")
+read_xyz = partial(read, "xyz")
+read_gro = partial(read, "gro")
+read_psf = partial(read, "psf")
