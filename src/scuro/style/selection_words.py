@@ -211,6 +211,11 @@ def _whole(code: NDArray, mask: Mask) -> Mask:
     return np.bincount(code, mask, int(code.max(initial=-1)) + 1)[code] > 0
 
 
+def _chain_names(m: Molecule) -> NDArray:
+    """Number of the author's chain name of each atom; several chains may share one."""
+    return np.unique(np.array(m.chain_names, dtype=str), return_inverse=True)[1][m.chain]
+
+
 def _molecules(m: Molecule) -> NDArray:
     """Number of the bonded component of each atom."""
     from scipy.sparse import coo_array
@@ -263,7 +268,7 @@ def near(m: Molecule, mask: Mask, distance: float) -> Mask:
 
 _BY: dict[tuple[str, ...], Callable[[Molecule, Mask], Mask]] = {
     ("byres", "byresi", "byresidue", "br."): lambda m, s: _whole(m.residue, s),
-    ("bychain", "bc.", "bysegi", "bysegment", "bs."): lambda m, s: _whole(m.chain, s),
+    ("bychain", "bc.", "bysegi", "bysegment", "bs."): lambda m, s: _whole(_chain_names(m), s),
     ("bymolecule", "bymol", "bm."): lambda m, s: _whole(_molecules(m), s),
     ("bymodel",): lambda m, s: _whole(np.unique(m.model, return_inverse=True)[1], s),
     ("neighbor", "neighbour", "nbr."): lambda m, s: _bonded(m, s) & ~s,
