@@ -110,7 +110,7 @@ _pdbx_struct_oper_list.vector[1]
 _pdbx_struct_oper_list.vector[2]
 _pdbx_struct_oper_list.vector[3]
 1 1 0 0 0 1 0 0 0 1 0 0 0
-2 0 -1 0 1 0 0 0 0 1 5 0 0
+2 0 -1 0 1 0 0 0 0 1 5 1 0
 3 1 0 0 0 -1 0 0 0 -1 0 0 7
 #
 loop_

@@ -12,7 +12,7 @@ from structure_files import GRO, MMCIF, MOL, MOL2, MOL_V3000, PQR, XYZ, pdb_atom
 from scuro.errors import LoadError
 from scuro.load import load
 from scuro.load.describe import describe
-from scuro.scene.molecule import ION, LIGAND, POLYMER_PROTEIN, SOLVENT
+from scuro.scene.molecule import HELIX, ION, LIGAND, POLYMER_PROTEIN, SOLVENT, STRAND
 
 
 @pytest.fixture
@@ -100,8 +100,8 @@ def test_assembly_operators_are_products(write) -> None:
     molecule = load(write("a.cif", MMCIF))
     (part,) = molecule.assembly("1")
     assert part.chains == (0,)
-    # operator 2 after 3: x -> R2 (R3 x + (0,0,7)) + (5,0,0)
-    assert np.allclose(part.positions, [[0, 0, 7], [5, 0, 7]])
+    # operator 2 after 3: x -> R2 (R3 x + (0,0,7)) + (5,1,0)
+    assert np.allclose(part.positions, [[0, 0, 7], [5, 1, 7]])
     half = np.sqrt(0.5)
     assert np.allclose(np.abs(part.rotations), [[1, 0, 0, 0], [half, half, 0, 0]], atol=1e-6)
     assert molecule.assembly("2")[0].chains == (0, 1)
@@ -216,3 +216,15 @@ def test_line_ends_of_other_systems(write) -> None:
         assert len(load(write("a.cif", MMCIF.replace("\n", end)))) == 3
         assert len(load(write("a.xyz", XYZ.replace("\n", end)))) == 3
         assert len(load(write("a.sdf", MOL.replace("\n", end)))) == 3
+
+
+def test_secondary_structure_ranges_end_where_the_file_says(write) -> None:
+    helix = "HELIX    1   1 ALA A    2  ALA A    3A 1                                   2\n"
+    sheet = "SHEET    1   A 1 ALA A   4  ALA A   5  0\n"
+    numbers = [(1, " "), (2, " "), (3, " "), (3, "A"), (3, "B"), (4, " "), (5, " "), (6, " ")]
+    atoms = "".join(
+        pdb_atom(i, number=number, insertion=code) for i, (number, code) in enumerate(numbers)
+    )
+    molecule = load(write("a.pdb", helix + sheet + atoms))
+    assert molecule.secondary_from == "file"
+    assert molecule.secondary.tolist() == [0, HELIX, HELIX, HELIX, 0, STRAND, STRAND, 0]
