@@ -19,6 +19,9 @@ from scuro.settings import unknown
 __all__ = ["READERS", "LoadOptions", "Source", "load", "open_source"]
 
 _STRUCTURE = "scuro.load.structure"
+_ECLIPSE = "scuro.load.reservoir_eclipse"
+_GRDECL = "scuro.load.reservoir_grdecl"
+_ROFF = "scuro.load.reservoir_roff"
 
 READERS: dict[str, tuple[str, str]] = {
     ".pdb": (_STRUCTURE, "read_pdb"),
@@ -35,11 +38,16 @@ READERS: dict[str, tuple[str, str]] = {
     ".xyz": (_STRUCTURE, "read_xyz"),
     ".gro": (_STRUCTURE, "read_gro"),
     ".psf": (_STRUCTURE, "read_psf"),
+    ".egrid": (_ECLIPSE, "read_eclipse"),
+    ".fegrid": (_ECLIPSE, "read_eclipse"),
+    ".grid": (_ECLIPSE, "read_eclipse"),
+    ".init": (_ECLIPSE, "read_eclipse"),
+    ".unrst": (_ECLIPSE, "read_eclipse"),
+    ".grdecl": (_GRDECL, "read_grdecl"),
+    ".data": (_GRDECL, "read_grdecl"),
+    ".roff": (_ROFF, "read_roff"),
 }
 """Suffix (lower case, without ``.gz``) to the module and function that reads it."""
-
-_LOOKS_LIKE = {".pqr": ".pdb"}
-"""Formats whose content is taken for another's: here the suffix decides."""
 
 
 def load(
@@ -76,15 +84,11 @@ def find_reader(source: Source, format: str | None = None) -> tuple[str, str]:
         if suffix not in READERS:
             raise SettingsError(unknown("format", format, [s[1:] for s in READERS]))
         return READERS[suffix]
+    if source.suffix in READERS:
+        return READERS[source.suffix]
     from scuro.load.sniff import sniff
 
-    named = READERS.get(source.suffix)
-    if named is not None and named[0] != _STRUCTURE:
-        return named
-    # structures are often misnamed (an mmCIF file called .pdb): the content decides
     suffix = sniff(source.data)
-    if named is not None and suffix in (None, _LOOKS_LIKE.get(source.suffix)):
-        return named
     if suffix is None:
         known = ", ".join(sorted(READERS))
         raise LoadError(
