@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -130,6 +131,11 @@ def test_errors_point_at_the_column(mixture, text):
     assert re.search(rf"column {column}\b", message), message
     assert expected in message
     assert "\n" not in message
+
+
+def test_chains_of_one_name_belong_together(mixture):
+    twin = replace(mixture, chain_names=("A", "A"))
+    assert select(twin, "bychain name FE").all()
 
 
 def test_deep_nesting_is_refused_not_crashed(mixture):

@@ -58,6 +58,8 @@ class TextCif:
     """
 
     def __init__(self, data: bytes, wanted: frozenset[str]) -> None:
+        if b"\r" in data:
+            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         atoms, rest = _cut(data, b"_atom_site.")
         _, rest = _cut(rest, b"_atom_site_anisotrop.")
         self._atoms = None if atoms is None else _split(*atoms, wanted)

@@ -48,6 +48,12 @@ class Lines:
             found |= self.record == record
         return np.flatnonzero(found)
 
+    def atoms(self) -> NDArray[np.intp]:
+        """Numbers of the atoms' lines; serials wider than five digits may begin in column 6."""
+        return np.flatnonzero(
+            (self.codes[:, :4].copy().view("S4").ravel() == b"ATOM") | (self.record == b"HETATM")
+        )
+
     def columns(self, rows: NDArray, first: int, last: int) -> NDArray[np.bytes_]:
         """Columns ``first`` to ``last`` (one-based, inclusive, as the format's guide has them)."""
         part = np.ascontiguousarray(self.codes[rows, first - 1 : last])
@@ -74,7 +80,7 @@ def read_pqr(source: Source) -> AtomTable:
 
 def _atom_lines(source: Source) -> tuple[Lines, NDArray[np.intp]]:
     lines = Lines(source.data)
-    rows = lines.of(b"ATOM  ", b"HETATM", b"ATOM", b"HETATM")
+    rows = lines.atoms()
     if len(rows) == 0:
         raise LoadError(source.name, "has no atoms (no line begins with ATOM or HETATM)")
     return lines, rows
@@ -96,7 +102,7 @@ def _pdb_table(source: Source, lines: Lines, rows: NDArray) -> AtomTable:
         # simulation programs leave the chain blank and write a segment name instead
         chain_text = strip(lines.columns(rows, 73, 76))
     chain, names = first_seen(chain_text)
-    serial, overflow = fixed_integers(lines.columns(rows, 7, 11), hybrid=True)
+    serial, overflow = _serials(lines, rows)
     if overflow.any():
         notes.append("some atoms have no readable serial number and are numbered by their place")
         serial[overflow] = np.flatnonzero(overflow) + 1
@@ -135,6 +141,22 @@ def _pdb_table(source: Source, lines: Lines, rows: NDArray) -> AtomTable:
     )
 
 
+def _serials(lines: Lines, rows: NDArray) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Serial numbers, and which of them cannot be read.
+
+    Beyond 99,999 programs go on in hybrid-36, write asterisks, or take one more column to the
+    left (``ATOM 100000``) or right (``HETATM100000``).
+    """
+    serial, bad = fixed_integers(lines.columns(rows, 7, 11), hybrid=True)
+    for beyond, first in ((6, 6), (12, 7)):
+        codes = lines.codes[rows, beyond - 1]
+        wide = (codes >= 48) & (codes <= 57)
+        if wide.any():
+            number, unread = fixed_integers(lines.columns(rows[wide], first, first + 5))
+            serial[wide], bad[wide] = number, unread
+    return serial, bad
+
+
 def _has_elements(lines: Lines, rows: NDArray, notes: list[str]) -> bool:
     """Whether columns 73-80 hold segment, element and charge, not a 1992-style code and number."""
     tail = strip(lines.columns(rows, 77, 80))
@@ -154,7 +176,7 @@ def _title(lines: Lines, rows: NDArray) -> str:
 
 
 def _models(lines: Lines, rows: NDArray) -> NDArray[np.int32] | None:
-    starts = lines.of(b"MODEL ", b"MODEL")
+    starts = lines.of(b"MODEL ")
     if len(starts) == 0:
         return None
     numbers, unreadable = fixed_integers(lines.columns(starts, 7, 14))
@@ -168,14 +190,14 @@ def _models(lines: Lines, rows: NDArray) -> NDArray[np.int32] | None:
 
 def _polymer(lines: Lines, rows: NDArray, chain: NDArray) -> NDArray[np.int8]:
     """TER ends the polymer of its chain: atoms before it are in it, later ones are not."""
-    ends = lines.of(b"TER   ", b"TER", b"TER \0\0")
+    ends = lines.of(b"TER   ")
     polymer = np.full(len(rows), -1, np.int8)
     if len(ends) == 0:
         return polymer
     before = np.searchsorted(rows, ends) - 1
     before = before[before >= 0]
     # last terminated row of each (model's) chain: models repeat, so work on runs between TERs
-    starts = lines.of(b"MODEL ", b"MODEL")
+    starts = lines.of(b"MODEL ")
     model = np.searchsorted(starts, rows)
     key = model.astype(np.int64) * (int(chain.max()) + 1) + chain
     last = np.full(int(key.max()) + 1, -1, np.int64)

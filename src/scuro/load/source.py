@@ -111,8 +111,6 @@ def open_source(name: str | Path) -> Source:
             return Source(text, path)
     except OSError as error:
         raise LoadError(text[:80], f"cannot be read ({error.strerror})") from None
-    except ValueError:
-        raise LoadError(text[:80], "is not a file name") from None
     if fetch.is_pdb_id(text):
         return Source(text, fetch.fetch(text))
     raise LoadError(text, "there is no such file, and it is not a PDB ID (like 1aon) either")

@@ -10,6 +10,8 @@ from typing import Any, Generic, TypeVar, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from scuro.errors import LoadError
+
 POLYMER_PROTEIN, POLYMER_NUCLEIC, LIGAND, SOLVENT, ION, OTHER_POLYMER = range(6)
 """Values of :attr:`Molecule.kind`."""
 
@@ -132,6 +134,18 @@ class Molecule:
     def __len__(self) -> int:
         """Number of atoms."""
         return len(self.positions)
+
+    def assembly(self, key: str) -> tuple[AssemblyPart, ...]:
+        """The biological assembly of this id.
+
+        Raises:
+            LoadError: The file has none of that id.
+        """
+        if key not in self.assemblies:
+            known = ", ".join(self.assemblies)
+            why = f"it has {known}" if known else "it has none: leave out the assembly"
+            raise LoadError(self.source or self.name, f"there is no assembly '{key}'; {why}")
+        return self.assemblies[key]
 
     @cached_property
     def bounds(self) -> NDArray[np.float32]:

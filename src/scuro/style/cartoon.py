@@ -95,8 +95,6 @@ def _guides(
     before, after = np.where(trace.starts, index, index - 1), np.where(trace.ends, index, index + 1)
     along = points[after] - points[before]
     binormal = np.cross(points - points[before], points[after] - points)
-    inner = np.where(trace.starts, after, np.where(trace.ends, before, index))
-    binormal = binormal[inner]  # ends of a chain have none of their own
 
     oxygen = atom_of_residue(molecule, atoms, ("O", "OT1", "O1", "OXT"))[trace.residues]
     toward = molecule.positions[np.maximum(oxygen, 0)] - points
@@ -105,7 +103,9 @@ def _guides(
 
     use_binormal = (kind == HELIX) | (oxygen < 0)
     guide = np.where(use_binormal[:, None], unit(binormal), unit(planar))
-    guide = frames(unit(along), guide)
+    # The ends of a chain have half a neighbourhood and often no order: they follow the next.
+    inner = np.where(trace.starts, after, np.where(trace.ends, before, index))
+    guide = frames(unit(along), guide[inner])
     # Neighbouring peptides of a strand point opposite ways: turn every one to agree with the last.
     opposite = (guide[1:] * guide[:-1]).sum(-1) < 0
     turns = np.cumprod(np.append(1.0, np.where(opposite, -1.0, 1.0))[: len(guide)])
