@@ -29,7 +29,7 @@ READERS: dict[str, tuple[str, str]] = {
     ".pqr": (_STRUCTURE, "read_pqr"),
     ".cif": (_STRUCTURE, "read_cif"),
     ".mmcif": (_STRUCTURE, "read_cif"),
-    ".bcif": (_STRUCTURE, "read_bcif"),
+    ".bcif": ("scuro.load.mesoscale_bcif", "read_bcif"),
     ".mmtf": (_STRUCTURE, "read_mmtf"),
     ".sdf": (_STRUCTURE, "read_sdf"),
     ".sd": (_STRUCTURE, "read_sdf"),
@@ -46,6 +46,10 @@ READERS: dict[str, tuple[str, str]] = {
     ".grdecl": (_GRDECL, "read_grdecl"),
     ".data": (_GRDECL, "read_grdecl"),
     ".roff": (_ROFF, "read_roff"),
+    ".json": ("scuro.load.mesoscale", "read_json"),
+    ".csv": ("scuro.load.mesoscale_table", "read_table"),
+    ".tsv": ("scuro.load.mesoscale_table", "read_table"),
+    ".meso": ("scuro.load.mesoscale_table", "read_table"),
 }
 """Suffix (lower case, without ``.gz``) to the module and function that reads it."""
 

@@ -38,3 +38,9 @@ class LoadOptions(SettingsGroup):
         None, "a trajectory (XTC, TRR, DCD) with coordinates for the structure's atoms"
     )
     frame: int = setting(0, "which frame of the trajectory, from 0; -1 is the last")
+    structures: str | None = setting(
+        None, "folder of the ingredient structures of a cell-scale model"
+    )
+    strict: bool = setting(
+        False, "fail where a cell-scale model's structure is missing, instead of drawing spheres"
+    )

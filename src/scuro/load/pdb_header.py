@@ -150,7 +150,9 @@ def read_assemblies(
                 current.append((list(range(len(chains))), []))
             current[-1][1].append(values)
         elif match := _CHAINS.match(line):
-            owned = [index[c] for c in re.split(r"[,\s]+", match.group(1)) if c in index]
+            named = [c for c in re.split(r"[,\s]+", match.group(1)) if c]
+            # no chain named means all of them
+            owned = [index[c] for c in named if c in index] if named else list(index.values())
             if current and not current[-1][1]:
                 current[-1][0].extend(owned)  # a second line of chains before the matrices
             else:
