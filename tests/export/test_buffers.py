@@ -32,7 +32,7 @@ def renderer() -> scuro.Renderer:
 
 @pytest.mark.parametrize("height", [None, 8.0])
 def test_buffers_of_a_sphere(renderer, height):
-    eye = CENTER + [0, 6, 8]
+    eye = np.add(CENTER, [0, 6, 8])
     camera = Camera(tuple(eye), tuple(CENTER), (0, 1, 0), 40, height)
     settings = scuro.Settings(size=(96, 64))
     buffers = renderer.render(sphere_scene(), camera, settings).buffers()

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from collections.abc import Sequence
 from importlib import import_module
 
 import click
 
 from scuro.errors import ScuroError, SettingsError
+
+STARTED = time.perf_counter()
+"""When the process began its work, for the times that commands report."""
 
 COMMANDS = {
     "render": "Render a picture of a file.",
@@ -93,9 +97,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except Exception as error:
         if os.environ.get("SCURO_DEBUG"):
             raise
-        text = " ".join(str(error).split())[:300]
         return _say(
-            f"unexpected {type(error).__name__}: {text} "
+            f"unexpected {type(error).__name__}: {str(error)[:300]} "
             "(a fault of scuro: SCURO_DEBUG=1 shows where)",
             FAILURE,
         )
@@ -109,5 +112,5 @@ def _usage_sentence(error: click.UsageError) -> str:
 
 
 def _say(sentence: str, code: int) -> int:
-    click.echo(f"scuro: {sentence}", err=True)
+    click.echo(f"scuro: {' '.join(sentence.split())}", err=True)
     return code

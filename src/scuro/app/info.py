@@ -11,7 +11,7 @@ from scuro.app.output import print_json, stage
 from scuro.load import LoadOptions, load
 
 
-@with_settings(LoadOptions)
+@with_settings(LoadOptions, title="Reading")
 @click.command(cls=SettingsCommand)
 @click.argument("input")
 @click.option("--format", metavar="ENDING", help="The file's format, where its name does not say.")

@@ -6,7 +6,7 @@ The path of field names that leads to a setting becomes its flag: ``occlusion.sa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import click
@@ -47,27 +47,32 @@ class SettingType(click.ParamType):
         try:
             if p.many:
                 pieces = value.replace("x", ",") if p.type in (int, float) else value
-                return checked(p, tuple(_element(p, v) for v in pieces.split(",")))
-            return checked(p, _element(p, value))
+                return checked(p, tuple(parse_element(p, v) for v in pieces.split(",")))
+            return checked(p, parse_element(p, value))
         except SettingsError as error:
             self.fail(str(error), param, ctx)
 
 
-def _element(p: Parameter, text: str) -> Any:
+def parse_element(p: Parameter, text: str) -> Any:
+    """One value's text as text or number, unchecked."""
     text = text.strip()
-    if p.type in (int, float):
-        try:
-            return float(text)
-        except ValueError:
-            raise SettingsError(f"{p.name} needs a number, not '{text}'") from None
-    return text
+    if p.type not in (int, float):
+        return text
+    try:
+        return int(text)
+    except ValueError:
+        pass
+    try:
+        return float(text)
+    except ValueError:
+        raise SettingsError(f"{p.name} needs a number, not '{text}'") from None
 
 
 class SettingOption(click.Option):
     """The option of one setting; knows the group of settings under which help lists it."""
 
-    def __init__(self, path: Path, parameter: Parameter) -> None:
-        self.section = path[0] if len(path) > 1 else ""
+    def __init__(self, path: Path, parameter: Parameter, title: str) -> None:
+        self.section = path[0] if len(path) > 1 else title
         flag = flag_of(path, parameter)
         if parameter.type is bool and not parameter.many:
             declaration, kind = f"{flag}/--no-{flag[2:]}", None
@@ -122,38 +127,45 @@ def _shown(p: Parameter) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value) or "none"
 
 
-def setting_options(
-    group: type[SettingsGroup], *, without: Iterable[Path] = ()
-) -> list[click.Parameter]:
-    """One option for every setting below ``group``, except those at the paths ``without``."""
-    left_out = set(without)
-    return [SettingOption(path, p) for path, p in walk(group) if path not in left_out]
-
-
 def with_settings(
-    group: type[SettingsGroup], *, without: Iterable[Path] = ()
+    group: type[SettingsGroup], *, title: str, without: Iterable[Path] = ()
 ) -> Callable[[click.Command], click.Command]:
-    """Decorator: give a command all options of a settings group."""
+    """Decorator: give a command one option for every setting below ``group``.
+
+    Args:
+        group: The settings.
+        title: Heading in the help for settings that lie directly in the group.
+        without: Paths of settings, or of groups of them, to leave out.
+    """
 
     def add(command: click.Command) -> click.Command:
-        command.params.extend(setting_options(group, without=without))
+        command.params.extend(SettingOption(path, p, title) for path, p in _walk(group, without))
         return command
 
     return add
 
 
-def take_changes(group: type[SettingsGroup], values: dict[str, Any]) -> dict[str, Any]:
+def take_changes(
+    group: type[SettingsGroup], values: dict[str, Any], *, without: Iterable[Path] = ()
+) -> dict[str, Any]:
     """Remove a group's settings from a command's ``values``; return those that were given.
 
     The result suits :meth:`scuro.settings.SettingsGroup.replace`.
     """
-    names = ["__".join(path) for path, _ in walk(group)]
-    given = {name: values.pop(name) for name in names if name in values}
+    names = ["__".join(path) for path, _ in _walk(group, without)]
+    given = {name: values.pop(name) for name in names}
     return {
         name: None if value is _NONE else value
         for name, value in given.items()
         if value is not None
     }
+
+
+def _walk(group: type[SettingsGroup], without: Iterable[Path]) -> Iterator[tuple[Path, Parameter]]:
+    left_out = tuple(without)
+    for path, parameter in walk(group):
+        if not any(path[: len(head)] == head for head in left_out):
+            yield path, parameter
 
 
 class SettingsCommand(click.Command):
@@ -163,10 +175,9 @@ class SettingsCommand(click.Command):
         sections: dict[str, list[tuple[str, str]]] = {}
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx)
-            if record is not None:
-                name = getattr(parameter, "section", None)
-                title = "Options" if name is None else name.replace("_", " ").capitalize()
-                sections.setdefault(title or "Picture", []).append(record)
+            if record is not None and isinstance(parameter, click.Option):
+                name = getattr(parameter, "section", "options")
+                sections.setdefault(name.replace("_", " ").capitalize(), []).append(record)
         for title, records in sections.items():
             with formatter.section(title):
                 formatter.write_dl(records)

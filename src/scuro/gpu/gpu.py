@@ -262,7 +262,12 @@ class Gpu:
     def finish(self) -> None:
         """Wait until everything submitted is done."""
         with _telling("rendering"):
-            self.device.queue.on_submitted_work_done_sync()
+            # a read waits for all before it (wgpu 0.32's own wait call does not fit its library)
+            self.device.queue.read_buffer(self._mark)
+
+    @cached_property
+    def _mark(self) -> Any:
+        return self.buffer(4, label="mark")
 
 
 class Recorder:

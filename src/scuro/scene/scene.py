@@ -146,6 +146,10 @@ class Scene:
         chosen = molecules if molecule is None else [molecules[molecule]]
         if not chosen:
             raise SettingsError("there is no molecule in the scene to show in a style")
+        from scuro.style.selection import select as chosen_atoms
+
+        if not any(chosen_atoms(item.molecule, select).any() for item in chosen):
+            raise SettingsError(f"the selection '{select}' matches no atoms")
         shown = Shown(
             style, select, color, material or Material(), clipped, tuple(sorted(options.items()))
         )

@@ -1,0 +1,120 @@
+"""From a command line to the document that says what to draw: see :class:`SceneFile`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import click
+
+from scuro.app.options import parse_element, take_changes, with_settings
+from scuro.errors import SettingsError
+from scuro.export.scene_file import Input, SceneFile, Show, is_scene_file, read_scene_file
+from scuro.load import LoadOptions
+from scuro.render_settings import Settings
+from scuro.scene.view import ViewSettings
+from scuro.settings import Parameter, checked, parameters, unknown
+from scuro.style.options import Representation
+
+
+def with_document(command: click.Command) -> click.Command:
+    """Decorator: give a command its inputs and every option that a picture depends on."""
+    options: list[Callable] = [
+        click.argument("inputs", nargs=-1, required=True, metavar="IN..."),
+        click.option(
+            "--show",
+            multiple=True,
+            metavar="STYLE[,color=…][,select=…]",
+            help="Show some atoms in a style; repeat it for several at once, e.g. "
+            "--show cartoon,color=chain --show licorice,select=organic. Also takes opacity=… and "
+            "each size listed under Sizes, e.g. tube_radius=0.5.",
+        ),
+        click.option("--format", metavar="ENDING", help="The inputs' format, if names do not say."),
+        click.option("--assembly", metavar="ID", help="Show this biological assembly."),
+        with_settings(Show, title="Representation", without=[("sizes",)]),
+        with_settings(Representation, title="Sizes"),
+        with_settings(ViewSettings, title="Camera"),
+        with_settings(LoadOptions, title="Reading"),
+        with_settings(Settings, title="Picture"),
+    ]
+    for option in options:
+        option(command)
+    return command
+
+
+def take_document(values: dict[str, Any]) -> SceneFile:
+    """Remove from a command's ``values`` what makes up the document, and make it.
+
+    A scene file (or a picture of ours) among the inputs is the document; options change it.
+    """
+    inputs, format = values.pop("inputs"), values.pop("format")
+    assembly = values.pop("assembly")
+    base = _base(inputs, format)
+    if assembly is not None:
+        base = replace(base, input=tuple(i.replace(assembly=assembly) for i in base.input))
+    return replace(
+        base,
+        show=_shown(values, base.show),
+        view=base.view.replace(**take_changes(ViewSettings, values)),
+        load=base.load.replace(**take_changes(LoadOptions, values)),
+        settings=base.settings.replace(**take_changes(Settings, values)),
+    )
+
+
+def _base(inputs: Sequence[str], format: str | None) -> SceneFile:
+    scenes = [name for name in inputs if is_scene_file(name)]
+    if not scenes:
+        return SceneFile(input=tuple(Input(path=name, format=format) for name in inputs))
+    if len(inputs) > 1:
+        raise SettingsError(f"{scenes[0]} is a scene of its own: give it without other inputs")
+    return read_scene_file(scenes[0])
+
+
+def _shown(values: dict[str, Any], before: tuple[Show, ...]) -> tuple[Show, ...]:
+    """The representations: those of --show, or one of --style, --color …, or as before."""
+    lines = values.pop("show")
+    sizes = take_changes(Representation, values)
+    single = take_changes(Show, values, without=[("sizes",)])
+    if lines and single:
+        flags = ", ".join(f"--{name}" for name in single)
+        raise SettingsError(f"give {flags} inside each --show, e.g. --show cartoon,color=chain")
+    if lines:
+        made = tuple(parse_show(line) for line in lines)
+    elif len(before) == 1:
+        made = (before[0].replace(**single),)
+    elif single or (sizes and not before):
+        made = (Show(**single),)
+    else:
+        made = before
+    return tuple(show.replace(sizes=show.sizes.replace(**sizes)) for show in made)
+
+
+def parse_show(text: str) -> Show:
+    """Read ``STYLE[,key=value…]``. A value may hold commas: only ``,key=`` begins the next one.
+
+    Raises:
+        SettingsError: A key or value is not known.
+    """
+    known = {p.name: p for p in (*parameters(Show), *parameters(Representation))}
+    style, *rest = re.split(r",\s*(?=[A-Za-z_-]+\s*=)", text)
+    own: dict[str, Any] = {"style": style.strip() or "auto"}
+    sizes: dict[str, Any] = {}
+    if "=" in style:
+        raise SettingsError(f"--show '{text}' begins with a style, e.g. cartoon,{text}")
+    for part in rest:
+        key, _, value = part.partition("=")
+        key = key.strip().replace("-", "_")
+        if key not in known:
+            raise SettingsError(f"--show '{text}': {unknown('key', key, known)}")
+        target = own if key in {p.name for p in parameters(Show)} else sizes
+        target[key] = _parsed(known[key], value.strip())
+    return Show(**own, sizes=Representation(**sizes))
+
+
+def _parsed(p: Parameter, text: str) -> Any:
+    if p.type is bool:
+        words = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
+        return checked(p, words.get(text.lower(), text))
+    return checked(p, parse_element(p, text))

@@ -1,0 +1,160 @@
+"""``scuro render``: a picture of a file."""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from scuro.app.cli import STARTED
+from scuro.app.document import take_document, with_document
+from scuro.app.options import SettingsCommand
+from scuro.app.output import print_json, progress, stage
+
+if TYPE_CHECKING:
+    from scuro.export.scene_file import SceneFile
+    from scuro.image import Image
+    from scuro.render import Renderer
+    from scuro.scene.camera import Camera
+    from scuro.scene.scene import Scene
+
+
+@with_document
+@click.command(cls=SettingsCommand)
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    metavar="PICTURE",
+    help="Where to: .png, .tif, .exr, .jpg or .webp.",
+)
+@click.option("--buffers", metavar="FILE.npz", help="Also write what is behind the picture.")
+@click.option(
+    "--bits", type=click.Choice(["8", "16"]), default="8", help="Per channel. [default 8]"
+)
+@click.option("--dpi", type=click.FloatRange(1, 100_000), help="Resolution to state in the file.")
+@click.option("--device", metavar="N|NAME", help="The adapter to use: see 'scuro devices'.")
+@click.option(
+    "--frames",
+    type=click.IntRange(0, 100_000),
+    metavar="N",
+    help="Draw N more frames and time them. [default 0; 1 with --json]",
+)
+@click.option("--json", "as_json", is_flag=True, help="Say what was done as one JSON object.")
+def command(
+    output: str,
+    buffers: str | None,
+    bits: str,
+    dpi: float | None,
+    device: str | None,
+    frames: int | None,
+    as_json: bool,
+    **values: Any,
+) -> None:
+    """Render a picture of a file.
+
+    IN is a path (PDB, mmCIF, BinaryCIF, SDF, MOL2, XYZ … plain or gzipped), '-' for standard
+    input, a PDB ID, which is downloaded once, a scene file (.toml), or a picture that scuro made,
+    which makes it again. Several inputs share one scene.
+    """
+    from scuro.export.files import check_writable
+    from scuro.export.image import format_writer
+
+    document = take_document(values)
+    format_writer(output)
+    for path in filter(None, (output, buffers)):
+        check_writable(path)
+    seconds: dict[str, float | None] = {}
+    clock = _Clock(seconds)
+    with stage(f"reading {', '.join(Path(line.path).name for line in document.input)}"):
+        scene = document.scene()
+        clock("load")
+    with stage("drawing"):
+        renderer, camera, image = _draw(document, scene, device, clock)
+    with stage(f"writing {output}"):
+        image.save(output, bits=int(bits), dpi=dpi, settings=document.as_dict(Path(output).parent))
+        if buffers:
+            from scuro.export.image import save_buffers
+
+            save_buffers(buffers, image.buffers())
+        clock("write")
+    seconds["total"] = time.perf_counter() - STARTED
+    # extra frames come last: they are no part of what the picture took
+    wanted = frames if frames is not None else int(as_json)
+    seconds["frame"] = _steady(renderer, scene, camera, document, wanted)
+    if as_json:
+        accelerator = renderer.accelerator(scene)
+        print_json(
+            {
+                "output": output,
+                "adapter": str(renderer.gpu.info),
+                "atoms": sum(len(item.molecule) for item in scene.molecules),
+                "spheres": accelerator.spheres,
+                "instances": accelerator.instances,
+                "seconds": {name: value and round(value, 4) for name, value in seconds.items()},
+                "passes": {
+                    name: round(value, 5) for name, value in renderer.timings.seconds.items()
+                },
+                "peak_memory_mb": peak_memory_mb(),
+                "settings": document.as_dict(),
+            }
+        )
+
+
+class _Clock:
+    """Notes under a name the seconds since the last note."""
+
+    def __init__(self, seconds: dict[str, float | None]) -> None:
+        self._seconds = seconds
+        self._last = time.perf_counter()
+
+    def __call__(self, name: str) -> None:
+        now = time.perf_counter()
+        self._seconds[name] = now - self._last
+        self._last = now
+
+
+def _draw(
+    document: SceneFile, scene: Scene, device: str | None, clock: _Clock
+) -> tuple[Renderer, Camera, Image]:
+    from scuro.render import Renderer
+    from scuro.scene.view import view_camera
+
+    renderer = Renderer(device)
+    clock("device")
+    width, height = document.settings.size
+    camera = view_camera(scene, document.view, width / height)
+    renderer.accelerator(scene)
+    clock("build")
+    image = renderer.render(scene, camera, document.settings)
+    clock("first_frame")
+    return renderer, camera, image
+
+
+def _steady(
+    renderer: Renderer, scene: Scene, camera: Camera, document: SceneFile, count: int
+) -> float | None:
+    """Median seconds of ``count`` further frames, each until the GPU is done."""
+    times = []
+    with progress() as shown:
+        for _ in shown.track(range(count), description="timing frames"):
+            start = time.perf_counter()
+            frame = renderer.frame(scene, camera, document.settings)
+            renderer.timings = frame.recorder.submit()
+            renderer.gpu.finish()
+            times.append(time.perf_counter() - start)
+    return statistics.median(times) if times else None
+
+
+def peak_memory_mb() -> float | None:
+    """The most memory this process has held, in MB; None where the system does not tell."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return round(peak / (1 << 20 if sys.platform == "darwin" else 1 << 10), 1)

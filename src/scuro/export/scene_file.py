@@ -1,0 +1,253 @@
+"""Scene files: all that a picture depends on, as readable TOML, or inside a PNG of ours.
+
+A scene file names its inputs by paths relative to itself, how they are shown, the view and every
+setting. The same document is embedded in each picture, so that it can be made again.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from scuro.errors import LoadError, SaveError, SettingsError
+from scuro.export import toml
+from scuro.export.files import replacing
+from scuro.export.png import is_png, read_settings
+from scuro.load import LoadOptions
+from scuro.render_settings import Settings
+from scuro.scene.scene import Scene
+from scuro.scene.view import ViewSettings
+from scuro.settings import SettingsGroup, checked, parameters, setting, subgroups, unknown
+from scuro.style.options import Representation
+
+VERSION = 1
+"""Of the format; raised when an older scuro could not read what a newer one writes."""
+_VERSION_KEY = "scuro"
+_AUTO = "auto"
+"""Stands for ``None``, which TOML does not have."""
+
+
+class Input(SettingsGroup):
+    """A file to read."""
+
+    path: str = setting("", "path, PDB ID, or sample:NAME; '-' is standard input")
+    format: str | None = setting(None, "the format's usual ending, where the path does not say")
+    assembly: str | None = setting(None, "biological assembly to show, by its number in the file")
+
+
+class Show(SettingsGroup):
+    """One representation of some atoms."""
+
+    style: str = setting(
+        "auto", "spacefill, ball+stick, licorice, backbone, cartoon, or auto: by content and size"
+    )
+    color: str = setting("element", "color scheme, color name or #rrggbb")
+    select: str = setting("all", "which atoms, in PyMOL's words")
+    opacity: float = setting(1.0, "1 is solid", low=0, high=1)
+    sizes: Representation = Representation()
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """The document: what is read, how it is shown, from where, and all settings."""
+
+    input: tuple[Input, ...] = ()
+    show: tuple[Show, ...] = ()
+    load: LoadOptions = field(default_factory=LoadOptions)
+    view: ViewSettings = field(default_factory=ViewSettings)
+    settings: Settings = field(default_factory=Settings)
+
+    def scene(self) -> Scene:
+        """Read the inputs and show them.
+
+        Raises:
+            LoadError: An input cannot be read.
+            SettingsError: A selection, colour or style is not known, or selects nothing.
+        """
+        from scuro.load import load
+        from scuro.scene.geometry import Material
+
+        scene = Scene()
+        for line in self.input:
+            scene.add(load(line.path, format=line.format, options=self.load))
+            if line.assembly is not None:
+                if scene.items[-1] not in scene.molecules:
+                    raise SettingsError(f"{line.path} has no biological assemblies")
+                scene.items[-1].assembly = line.assembly
+        for show in self.show:
+            scene.show(
+                show.style,
+                select=show.select,
+                color=show.color,
+                material=replace(Material(), opacity=show.opacity),
+                **_changed(show.sizes),
+            )
+        return scene
+
+    def as_dict(self, folder: Path | None = None) -> dict[str, Any]:
+        """Plain values; input paths relative to ``folder`` if one is given."""
+        inputs = [line.as_dict() for line in self.input]
+        for values in inputs:
+            values["path"] = _relative(values["path"], folder)
+        return {
+            _VERSION_KEY: VERSION,
+            "input": inputs,
+            "show": [show.as_dict() for show in self.show],
+            "load": self.load.as_dict(),
+            "view": self.view.as_dict(),
+            "settings": self.settings.as_dict(),
+        }
+
+
+def _changed(group: SettingsGroup) -> dict[str, Any]:
+    """The values that are not the group's defaults."""
+    return {
+        p.name: getattr(group, p.name)
+        for p in parameters(type(group))
+        if getattr(group, p.name) != p.default
+    }
+
+
+def is_scene_file(path: str) -> bool:
+    """Whether an input is a scene file or a picture, rather than data."""
+    return path.lower().endswith(".toml") or is_png(path)
+
+
+def read_scene_file(path: str | PathLike[str]) -> SceneFile:
+    """Read a scene file, or the scene embedded in a PNG of ours.
+
+    Raises:
+        LoadError: It cannot be read; the message names the line and the key at fault.
+    """
+    if is_png(path):
+        values, lines = read_settings(path), toml.Lines("")
+    else:
+        try:
+            text = Path(path).read_text(encoding="utf-8")
+        except FileNotFoundError:
+            raise LoadError(path, "there is no such file") from None
+        except OSError as error:
+            raise LoadError(path, f"cannot be read ({error.strerror})") from None
+        except UnicodeDecodeError:
+            raise LoadError(path, "is not a text file in UTF-8") from None
+        values, lines = toml.parse(text, path), toml.Lines(text)
+    try:
+        return _document(values, Path(path).parent)
+    except _Fault as fault:
+        raise LoadError(path, fault.why, lines.find(fault.key)) from None
+
+
+def write_scene_file(path: str | PathLike[str], document: SceneFile) -> None:
+    """Write a scene file with every value and what it means.
+
+    Raises:
+        SaveError: It cannot be written, or an input is standard input.
+    """
+    if any(line.path == "-" for line in document.input):
+        raise SaveError(path, "standard input cannot be named in a scene file: give a file")
+    folder = Path(path).parent
+    inputs = [line.replace(path=_relative(line.path, folder)) for line in document.input]
+    head = (
+        "# A scene of scuro: render it with 'scuro render THIS -o picture.png'.\n"
+        f"{_VERSION_KEY} = {VERSION}\n"
+    )
+    parts = [head]
+    parts += [toml.dump("input", line, array=True) for line in inputs]
+    parts += [toml.dump("show", line, array=True) for line in document.show]
+    parts += [toml.dump(name, getattr(document, name)) for name in ("load", "view", "settings")]
+    with replacing(path) as file:
+        file.write("\n".join(parts).encode())
+
+
+class _Fault(Exception):
+    """Something is wrong at a key: a tuple of names and, in arrays of tables, numbers."""
+
+    def __init__(self, key: tuple[str | int, ...], why: str) -> None:
+        super().__init__(why)
+        self.key, self.why = key, why
+
+
+def _document(values: Mapping[str, Any], folder: Path) -> SceneFile:
+    version = values.get(_VERSION_KEY)
+    if not isinstance(version, int):
+        raise _Fault((), f"is no scene file: it lacks the line '{_VERSION_KEY} = {VERSION}'")
+    if version > VERSION:
+        raise _Fault(
+            (_VERSION_KEY,),
+            f"was written by a newer scuro (scene format {version}, this one reads {VERSION}): "
+            "upgrade with 'pip install -U scuro'",
+        )
+    kinds: dict[str, type[SettingsGroup]] = {
+        "input": Input,
+        "show": Show,
+        "load": LoadOptions,
+        "view": ViewSettings,
+        "settings": Settings,
+    }
+    assert set(kinds) == {f.name for f in fields(SceneFile)}
+    made: dict[str, Any] = {}
+    for key, value in values.items():
+        if key == _VERSION_KEY:
+            continue
+        if key not in kinds:
+            raise _Fault((key,), unknown("key", key, kinds))
+        if key in ("input", "show"):
+            if not isinstance(value, list):
+                raise _Fault((key,), f"{key} is an array of tables: write [[{key}]]")
+            made[key] = tuple(_group(kinds[key], v, (key, i)) for i, v in enumerate(value))
+        else:
+            made[key] = _group(kinds[key], value, (key,))
+    made["input"] = tuple(
+        line.replace(path=_found(line.path, folder)) for line in made.get("input", ())
+    )
+    return SceneFile(**made)
+
+
+def _group(kind: type[SettingsGroup], values: Any, place: tuple[str | int, ...]) -> Any:
+    """A settings group from plain values; a fault names the key's place."""
+    if not isinstance(values, Mapping):
+        raise _Fault(place, f"{_dotted(place)} is a table of settings, not a single value")
+    singles = {p.name: p for p in parameters(kind)}
+    groups = dict(subgroups(kind))
+    made: dict[str, Any] = {}
+    for key, value in values.items():
+        here = (*place, key)
+        if key in groups:
+            made[key] = _group(groups[key], value, here)
+        elif key in singles:
+            p = singles[key]
+            value = tuple(value) if isinstance(value, list) else value
+            if p.optional and value == _AUTO:
+                value = None
+            try:
+                made[key] = checked(p, value)
+            except SettingsError as error:
+                raise _Fault(here, f"{_dotted(here)}: {error}") from None
+        else:
+            names = [_dotted((*place, name)) for name in (*singles, *groups)]
+            raise _Fault(here, unknown("key", _dotted(here), names))
+    try:
+        return kind(**made)
+    except SettingsError as error:
+        raise _Fault(place, f"{_dotted(place)}: {error}") from None
+
+
+def _dotted(place: tuple[str | int, ...]) -> str:
+    return ".".join(str(p) for p in place if not isinstance(p, int))
+
+
+def _relative(path: str, folder: Path | None) -> str:
+    """A file's path as seen from a folder; IDs and samples as they are."""
+    if folder is None or not Path(path).exists():
+        return path
+    return Path(os.path.relpath(path, folder)).as_posix()
+
+
+def _found(path: str, folder: Path) -> str:
+    """Inverse of :func:`_relative`."""
+    there = folder / path
+    return str(there) if path != "-" and there.exists() else path
