@@ -156,6 +156,6 @@ class Molecule:
 
     def summary(self) -> dict[str, Any]:
         """What ``scuro info`` prints."""
-        from scuro.scene.describe import describe
+        from scuro.load.describe import describe
 
         return describe(self)
