@@ -53,6 +53,9 @@ READERS: dict[str, tuple[str, str]] = {
 }
 """Suffix (lower case, without ``.gz``) to the module and function that reads it."""
 
+_LOOKS_LIKE = {".pqr": ".pdb"}
+"""Formats whose content is taken for another's: here the suffix decides."""
+
 
 def load(
     name: str | Path,
@@ -88,11 +91,15 @@ def find_reader(source: Source, format: str | None = None) -> tuple[str, str]:
         if suffix not in READERS:
             raise SettingsError(unknown("format", format, [s[1:] for s in READERS]))
         return READERS[suffix]
-    if source.suffix in READERS:
-        return READERS[source.suffix]
     from scuro.load.sniff import sniff
 
+    named = READERS.get(source.suffix)
+    if named is not None and named[0] != _STRUCTURE:
+        return named
+    # structures are often misnamed (an mmCIF file called .pdb): the content decides
     suffix = sniff(source.data)
+    if named is not None and suffix in (None, _LOOKS_LIKE.get(source.suffix)):
+        return named
     if suffix is None:
         known = ", ".join(sorted(READERS))
         raise LoadError(
