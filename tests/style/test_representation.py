@@ -6,9 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from meshes import assert_closed_and_outward
 
 from scuro.errors import SettingsError
 from scuro.scene.molecule import COIL, HELIX, LIGAND, POLYMER_PROTEIN, STRAND, Molecule
+from scuro.style.cartoon import protein_rings
+from scuro.style.chains import protein_trace
 from scuro.style.options import Representation
 from scuro.style.radii import atom_radii
 from scuro.style.representation import ALIASES, STYLES, build_geometry, style_named
@@ -73,24 +76,6 @@ def show(molecule, style, **options):
     everything = np.ones(len(molecule), bool)
     colors = np.tile(np.arange(len(molecule), dtype=np.uint8)[:, None], (1, 4))
     return build_geometry(molecule, style, everything, colors, Representation(**options))
-
-
-def assert_closed_and_outward(geometry):
-    """Every directed edge has its reverse, and shading normals agree with the faces' sense."""
-    corners = geometry.triangles.astype(np.float64)
-    _, number = np.unique(np.round(corners.reshape(-1, 3), 4), axis=0, return_inverse=True)
-    number = number.reshape(-1, 3)
-    edges = np.concatenate([number[:, [0, 1]], number[:, [1, 2]], number[:, [2, 0]]])
-    edges = edges[edges[:, 0] != edges[:, 1]]
-    forward = np.unique(edges, axis=0, return_counts=True)
-    backward = np.unique(edges[:, ::-1], axis=0, return_counts=True)
-    assert (forward[0] == backward[0]).all()
-    assert (forward[1] == backward[1]).all()
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    assert np.linalg.norm(across, axis=-1).min() > 0
-    agree = (across[:, None] * geometry.triangle_normals).sum(-1)
-    assert (agree > 0).mean() > 0.999
-    assert np.allclose(np.linalg.norm(geometry.triangle_normals, axis=-1), 1, atol=1e-5)
 
 
 def volume(geometry) -> float:
@@ -195,6 +180,17 @@ def test_strand_is_a_flat_bar_with_one_arrow_head():
     assert np.abs(y).max() == pytest.approx(1.5, abs=0.05)
     assert abs(x[np.abs(y).argmax()] - head) < 0.3
     assert np.abs(y[x > 11 * STRAND_STEP - 0.01]).max() < 0.25  # the tip
+
+
+def test_coil_behind_a_strand_does_not_twist_its_arrow():
+    molecule = strand(9, [STRAND] * 6 + [COIL] * 3)
+    turned = molecule.positions.copy()
+    turned[13] = turned[12] + [1.9, 0, 1.3]  # the O of the first coil residue points out of plane
+    molecule = replace(molecule, positions=turned)
+    atoms = np.arange(len(molecule))
+    rings = protein_rings(molecule, atoms, protein_trace(molecule, atoms), 8, Representation())
+    head = rings.sides[rings.owners == 10]
+    assert np.abs(head[:, 1]).min() > 0.95  # the width stays along y
 
 
 def test_helix_is_a_band_around_its_axis():

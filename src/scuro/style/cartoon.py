@@ -29,7 +29,8 @@ def cartoon(
     molecule: Molecule, atoms: NDArray, colors: NDArray[np.uint8], options: Representation
 ) -> Geometry:
     """Proteins and nucleic acids as cartoons; other atoms are not shown."""
-    segments, sides = subdivision(molecule, options)
+    residues = np.count_nonzero(np.bincount(molecule.residue[atoms]))
+    segments, sides = subdivision(residues, options)
     trace = protein_trace(molecule, atoms)
     protein = sweep(protein_rings(molecule, atoms, trace, segments, options), sides, colors)
     alone = trace.atoms[trace.starts & trace.ends]
@@ -39,10 +40,9 @@ def cartoon(
     return join(Geometry(**spheres), protein, *nucleic)
 
 
-def subdivision(molecule: Molecule, options: Representation) -> tuple[int, int]:
+def subdivision(residues: int, options: Representation) -> tuple[int, int]:
     """Pieces per residue (even) and points around a cross-section (a multiple of four)."""
-    size = len(molecule.residue_name)
-    usual = (8, 12) if size <= FINE else (6, 8) if size <= MEDIUM else (4, 8)
+    usual = (8, 12) if residues <= FINE else (6, 8) if residues <= MEDIUM else (4, 8)
     segments, sides = options.segments or usual[0], options.sides or usual[1]
     return segments + segments % 2, -(-sides // 4) * 4
 
@@ -103,9 +103,12 @@ def _guides(
 
     use_binormal = (kind == HELIX) | (oxygen < 0)
     guide = np.where(use_binormal[:, None], unit(binormal), unit(planar))
-    # The ends of a chain have half a neighbourhood and often no order: they follow the next.
-    inner = np.where(trace.starts, after, np.where(trace.ends, before, index))
-    guide = frames(unit(along), guide[inner])
+    # The ends of a chain have half a neighbourhood and often no order: they follow the next. So do
+    # residues beside a strand, or they would twist its arrow head.
+    beside = (kind != STRAND) & (kind[np.stack([before, after])] == STRAND)
+    follows = np.where(beside[0], before, np.where(beside[1], after, index))
+    follows = np.where(trace.starts, after, np.where(trace.ends, before, follows))
+    guide = frames(unit(along), guide[follows])
     # Neighbouring peptides of a strand point opposite ways: turn every one to agree with the last.
     opposite = (guide[1:] * guide[:-1]).sum(-1) < 0
     turns = np.cumprod(np.append(1.0, np.where(opposite, -1.0, 1.0))[: len(guide)])
