@@ -29,7 +29,7 @@ def cartoon(
     molecule: Molecule, atoms: NDArray, colors: NDArray[np.uint8], options: Representation
 ) -> Geometry:
     """Proteins and nucleic acids as cartoons; other atoms are not shown."""
-    residues = np.count_nonzero(np.bincount(molecule.residue[atoms]))
+    residues = int(np.count_nonzero(np.bincount(molecule.residue[atoms])))
     segments, sides = subdivision(residues, options)
     trace = protein_trace(molecule, atoms)
     protein = sweep(protein_rings(molecule, atoms, trace, segments, options), sides, colors)

@@ -140,7 +140,7 @@ def by_secondary(molecule: Molecule) -> NDArray[np.uint8]:
         palettes.SECONDARY[molecule.secondary[molecule.residue]],
         by_element(molecule),
     )
-    return np.where(kind == POLYMER_NUCLEIC, np.uint8(palettes.NUCLEIC), rgb)
+    return np.where(kind == POLYMER_NUCLEIC, np.array(palettes.NUCLEIC, np.uint8), rgb)
 
 
 def by_illustration(molecule: Molecule) -> NDArray[np.uint8]:

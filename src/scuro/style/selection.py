@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections.abc import Iterable
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -47,7 +48,7 @@ def _parser() -> Lark:
     from lark import Lark
 
     grammar = (files("scuro.style") / "selection.lark").read_text("utf-8")
-    terminals = {
+    terminals: dict[str, tuple[Iterable[str], str]] = {
         "FLAG": (FLAGS, r"(?![\w.*'+-])"),
         "PROPERTY": (PROPERTIES, r"""(?=[\s"']|$)"""),
         "NUMERIC": (NUMBERS, r"(?=\s*[<>=!\d.+-])"),
