@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from scuro.app.options import SettingsCommand, take_changes, with_settings
-from scuro.app.output import print_json, stage
+from scuro.app.output import print_json, print_table, stage
 from scuro.load import LoadOptions, load
 
 
@@ -29,7 +29,6 @@ def command(input: str, format: str | None, as_json: bool, **values: Any) -> Non
 
 
 def _print(summary: dict[str, Any]) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     table = Table.grid(padding=(0, 2))
@@ -37,7 +36,7 @@ def _print(summary: dict[str, Any]) -> None:
         text = _text(value)
         if text:
             table.add_row(name.replace("_", " "), text)
-    Console(highlight=False).print(table, soft_wrap=False)
+    print_table(table)
 
 
 def _text(value: Any) -> str:

@@ -30,6 +30,14 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} is not JSON")
 
 
+def print_table(table: Any) -> None:
+    """A rich table on standard output, unbroken where that is no terminal."""
+    from rich.console import Console
+
+    width = None if sys.stdout.isatty() else 160
+    Console(highlight=False, width=width).print(table)
+
+
 @contextmanager
 def stage(label: str) -> Iterator[None]:
     """Show a spinner with ``label`` while the work inside takes longer than a second."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import statistics
-import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from scuro.app.cli import STARTED
 from scuro.app.document import take_document, with_document
 from scuro.app.options import SettingsCommand
 from scuro.app.output import print_json, progress, stage
+from scuro.measure.memory import peak_memory_mb
 
 if TYPE_CHECKING:
     from scuro.export.scene_file import SceneFile
@@ -148,13 +148,3 @@ def _steady(
             renderer.gpu.finish()
             times.append(time.perf_counter() - start)
     return statistics.median(times) if times else None
-
-
-def peak_memory_mb() -> float | None:
-    """The most memory this process has held, in MB; None where the system does not tell."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return None
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return round(peak / (1 << 20 if sys.platform == "darwin" else 1 << 10), 1)

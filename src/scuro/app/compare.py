@@ -1,0 +1,177 @@
+"""``scuro compare``: every technique beside the reference, in pictures and numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from scuro.app.document import take_document, with_document
+from scuro.app.options import SettingsCommand, parse_element
+from scuro.app.output import print_json, print_table, progress, stage
+from scuro.errors import SaveError, SettingsError
+from scuro.settings import unknown, walk
+
+if TYPE_CHECKING:
+    from scuro.measure.compare import Drawn, Variant
+    from scuro.measure.report import Row
+
+_REFERENCE = "ray,samples=1024"
+
+
+@with_document
+@click.command(cls=SettingsCommand)
+@click.option(
+    "--vary",
+    default="occlusion",
+    metavar="SETTING",
+    help="The setting whose values are compared. [default occlusion]",
+)
+@click.option(
+    "--techniques",
+    default="all",
+    metavar="NAME,…",
+    help="Which of its values to compare. [default all]",
+)
+@click.option(
+    "--reference",
+    default=_REFERENCE,
+    metavar="NAME[,key=…]",
+    help=f"What they are held against: a value, and settings of its group. [default {_REFERENCE}]",
+)
+@click.option(
+    "--frames",
+    type=click.IntRange(1, 1000),
+    default=3,
+    metavar="N",
+    help="Frames timed for each. [default 3]",
+)
+@click.option(
+    "-o", "--output", default="compare", metavar="FOLDER", help="Where to. [default compare]"
+)
+@click.option("--device", metavar="N|NAME", help="The adapter to use: see 'scuro devices'.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def command(
+    vary: str,
+    techniques: str,
+    reference: str,
+    frames: int,
+    output: str,
+    device: str | None,
+    as_json: bool,
+    **values: Any,
+) -> None:
+    """Hold every technique against the reference.
+
+    Draws IN with each value of a setting and with the reference, all else equal, and writes into a
+    folder the pictures, a labelled contact sheet and compare.json with times, RMSE, PSNR, SSIM,
+    mean CIE ΔE2000, FLIP and local contrast, over the object's pixels and over the whole picture.
+    """
+    from scuro.measure.compare import compare, variants
+    from scuro.measure.report import table, write_json
+    from scuro.measure.sheet import contact_sheet
+    from scuro.render import Renderer
+    from scuro.scene.view import view_camera
+
+    document = take_document(values)
+    truth = reference_variant(vary, reference)
+    chosen = variants(vary, () if techniques == "all" else techniques.split(","))
+    folder = _made(output)
+    with stage("reading"):
+        scene = document.scene()
+    renderer = Renderer(device)
+    width, height = document.settings.size
+    camera = view_camera(scene, document.view, width / height)
+    pictures: dict[str, Any] = {}
+    files: list[str] = []
+    with progress() as shown:
+        task = shown.add_task("comparing", total=len(chosen) + 1)
+
+        def keep(drawn: Drawn, row: Row) -> None:
+            label = f"reference: {row.technique}" if row.object is None else row.technique
+            pictures[label] = drawn.pixels
+            files.append(f"{label.replace(': ', '-')}.png")
+            _write(folder / files[-1], drawn)
+            shown.advance(task)
+
+        rows = compare(
+            renderer,
+            scene,
+            camera,
+            document.settings,
+            chosen,
+            truth,
+            frames=frames,
+            on_drawn=keep,
+        )
+    rows = [replace(row, image=file) for row, file in zip(rows, files, strict=True)]
+    notes = {label: _note(row) for label, row in zip(pictures, rows, strict=True)}
+    _save_sheet(folder / "sheet.png", contact_sheet(pictures, notes))
+    about = {
+        "input": [line.path for line in document.input],
+        "atoms": sum(len(item.molecule) for item in scene.molecules),
+        "adapter": str(renderer.gpu.info),
+        "settings": document.as_dict(),
+    }
+    write_json(folder / "compare.json", rows, **about)
+    if as_json:
+        print_json({**about, "techniques": [row.as_dict() for row in rows]})
+        return
+    names = ", ".join(about["input"])
+    print_table(table(rows, f"{names}, {about['atoms']:,} atoms"))
+    click.echo(f"pictures, sheet.png and compare.json are in {folder}")
+
+
+def reference_variant(vary: str, text: str) -> Variant:
+    """Read ``NAME[,key=value…]``, keys being settings in the varied one's group.
+
+    Raises:
+        SettingsError: The name or a key is not known.
+    """
+    from scuro.measure.compare import Variant, variants, varied
+    from scuro.render_settings import Settings
+
+    name, *rest = text.split(",")
+    (made,) = variants(vary, [name])
+    group = varied()[vary][0].rpartition("__")[0]
+    siblings = {
+        path[-1]: p for path, p in walk(Settings) if path[:-1] == tuple(filter(None, [group]))
+    }
+    changes = dict(made.changes)
+    for part in rest:
+        key, _, value = part.partition("=")
+        if key not in siblings:
+            raise SettingsError(f"--reference '{text}': {unknown('key', key, siblings)}")
+        changes[f"{group}__{key}" if group else key] = parse_element(siblings[key], value)
+    return Variant(text, changes)
+
+
+def _made(output: str) -> Path:
+    folder = Path(output)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise SaveError(output, f"this folder cannot be made: {error.strerror}") from None
+    return folder
+
+
+def _write(path: Path, drawn: Drawn) -> None:
+    from scuro.image import Image
+
+    Image(drawn.pixels).save(path, settings=drawn.variant.changes)
+
+
+def _save_sheet(path: Path, sheet: Any) -> None:
+    from scuro.export.files import replacing
+
+    with replacing(path) as file:
+        sheet.save(file, "PNG")
+
+
+def _note(row: Row) -> str:
+    if row.object is None:
+        return f"{row.milliseconds:.0f} ms"
+    o = row.object
+    return f"{row.milliseconds:.0f} ms · SSIM {o.ssim:.3f} · ΔE {o.delta_e:.2f}"

@@ -1,0 +1,157 @@
+"""Every value of one setting, such as each occlusion technique, held against a reference."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.errors import SettingsError
+from scuro.measure.metrics import rmse, score
+from scuro.measure.report import Row
+from scuro.render_settings import Settings
+from scuro.settings import Parameter, unknown, walk
+
+if TYPE_CHECKING:
+    from scuro.render import Renderer
+    from scuro.scene.camera import Camera
+    from scuro.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A way to draw the scene: its name, and what it changes of the settings."""
+
+    name: str
+    changes: dict[str, Any]
+    """As for :meth:`scuro.settings.SettingsGroup.replace`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """What a variant gave."""
+
+    variant: Variant
+    pixels: NDArray[np.uint8]
+    """(h, w, 4)"""
+    object_mask: NDArray[np.bool_]
+    visibility: NDArray[np.float32] | None
+    milliseconds: float
+
+
+def varied() -> dict[str, tuple[str, Parameter]]:
+    """What can be varied: settings that are one of several words, by their flag's name.
+
+    Gives the path for :meth:`replace` and the parameter.
+    """
+    return {
+        (path[:-1] if p.main and len(path) > 1 else path)[-1]: ("__".join(path), p)
+        for path, p in walk(Settings)
+        if p.choices and not p.many
+    }
+
+
+def variants(setting: str, names: Sequence[str] = ()) -> list[Variant]:
+    """One variant for each value of a setting, or for those named.
+
+    Raises:
+        SettingsError: The setting has no list of values, or a name is not among them.
+    """
+    known = varied()
+    if setting not in known:
+        raise SettingsError(unknown("setting to vary", setting, known))
+    path, parameter = known[setting]
+    choices = [c for c in parameter.choices or () if c != "auto"]
+    for name in names:
+        if name not in choices:
+            raise SettingsError(unknown(setting, name, choices))
+    return [Variant(name, {path: name}) for name in names or choices]
+
+
+def draw(
+    renderer: Renderer,
+    scene: Scene,
+    camera: Camera,
+    settings: Settings,
+    variant: Variant,
+    frames: int,
+) -> Drawn:
+    """Draw a variant once to warm up and ``frames`` times for its median time."""
+    chosen = settings.replace(**variant.changes)
+    image = renderer.render(scene, camera, chosen)
+    buffers = image.buffers()
+    times = []
+    for _ in range(frames):
+        start = time.perf_counter()
+        renderer.frame(scene, camera, chosen).recorder.submit()
+        renderer.gpu.finish()
+        times.append(time.perf_counter() - start)
+    return Drawn(
+        variant,
+        image.pixels,
+        buffers["object"] >= 0,
+        buffers.get("visibility"),
+        1e3 * statistics.median(times),
+    )
+
+
+def compare(
+    renderer: Renderer,
+    scene: Scene,
+    camera: Camera,
+    settings: Settings,
+    variants: Sequence[Variant],
+    reference: Variant,
+    *,
+    frames: int = 3,
+    on_drawn: Callable[[Drawn, Row], None] = lambda drawn, row: None,
+) -> list[Row]:
+    """Draw the reference and all variants with equal settings otherwise, and score them.
+
+    Args:
+        frames: Frames timed for each.
+        on_drawn: Called after each picture, the reference's first.
+
+    Raises:
+        SettingsError: The picture shows nothing, so that there is nothing to compare.
+    """
+    truth = draw(renderer, scene, camera, settings, reference, frames)
+    if not truth.object_mask.any():
+        raise SettingsError("the picture is empty: there is nothing to compare")
+    rows = [Row(reference.name, _settings(reference), truth.milliseconds)]
+    on_drawn(truth, rows[0])
+    for variant in variants:
+        drawn = draw(renderer, scene, camera, settings, variant, frames)
+        row = Row(
+            variant.name,
+            _settings(variant),
+            drawn.milliseconds,
+            score(_rgb(drawn), _rgb(truth), truth.object_mask),
+            score(_rgb(drawn), _rgb(truth)),
+            notes=_visibility_error(drawn, truth),
+        )
+        rows.append(row)
+        on_drawn(drawn, row)
+    return rows
+
+
+def _settings(variant: Variant) -> dict[str, Any]:
+    return {key.replace("__", "."): value for key, value in variant.changes.items()}
+
+
+def _rgb(drawn: Drawn) -> NDArray[np.float64]:
+    """sRGB over black where the background is transparent."""
+    values = drawn.pixels / 255
+    return values[..., :3] * values[..., 3:]
+
+
+def _visibility_error(drawn: Drawn, truth: Drawn) -> dict[str, float]:
+    """RMSE of the visibility itself, where both techniques make one."""
+    if drawn.visibility is None or truth.visibility is None:
+        return {}
+    return {"visibility_rmse": rmse(drawn.visibility, truth.visibility, truth.object_mask)}

@@ -1,0 +1,66 @@
+"""``scuro compare`` and ``scuro bench`` on a small molecule."""
+
+import json
+
+import pytest
+from PIL import Image
+
+from scuro.app.cli import run
+from scuro.app.compare import reference_variant
+from scuro.errors import SettingsError
+from scuro.measure.compare import variants, varied
+
+
+def test_compare_writes_pictures_sheet_and_numbers(tmp_path, capfd):
+    folder = tmp_path / "out"
+    arguments = ["compare", "sample:1hpv", "--vary", "lighting", "--techniques", "simple,flat"]
+    options = ["--reference", "simple,key=0.5", "--size", "96x72", "--frames", "1", "-o"]
+    assert run([*arguments, *options, str(folder)]) == 0
+    out = capfd.readouterr().out
+    assert "reference" in out and "1,631 atoms" in out
+    report = json.loads((folder / "compare.json").read_text())
+    reference, simple, flat = report["techniques"]
+    assert reference["object"] is None and reference["milliseconds"] > 0
+    assert reference["settings"] == {"lighting.preset": "simple", "lighting.key": 0.5}
+    assert flat["object"]["ssim"] < 1 and flat["object"]["rmse"] > simple["object"]["rmse"] > 0
+    assert simple["picture"]["rmse"] < simple["object"]["rmse"], "the background flatters"
+    for row in report["techniques"]:
+        with Image.open(folder / row["image"]) as picture:
+            assert picture.size == (96, 72)
+    with Image.open(folder / "sheet.png") as sheet:
+        assert sheet.width > 2 * 96
+
+
+def test_every_variant_is_a_value_of_its_setting():
+    known = varied()
+    assert {"visibility", "lighting"} <= set(known)
+    for name in known:
+        assert len(variants(name)) >= 1
+    assert "auto" not in [v.name for v in variants("visibility")]
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: variants("nothing"), "unknown setting to vary"),
+        (lambda: variants("lighting", ["fulll"]), "did you mean 'full'"),
+        (lambda: reference_variant("lighting", "full,kye=1"), "did you mean 'key'"),
+        (lambda: reference_variant("lighting", "full,key=x"), "needs a number"),
+    ],
+)
+def test_wrong_names_are_said(call, words):
+    with pytest.raises(SettingsError, match=words):
+        call()
+
+
+def test_bench_lists_runs_and_refuses(capfd):
+    assert run(["bench"]) == 0
+    assert "visibility:" in capfd.readouterr().out
+    small = ["--size", "64x48", "--frames", "1", "--json"]
+    assert run(["bench", "visibility", "sample:1hpv", *small]) == 0
+    report = json.loads(capfd.readouterr().out)
+    assert {row["visibility"] for row in report["rows"]} == {"raycast", "raster"}
+    assert all(row["frame_s"] > 0 and row["spheres"] == 1631 for row in report["rows"])
+    assert run(["bench", "visiblity"]) == 2
+    assert "did you mean 'visibility'" in capfd.readouterr().err
+    assert run(["bench", "visibility", "--size", "0x9"]) == 2
