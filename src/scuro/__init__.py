@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import types
 from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
@@ -18,7 +20,7 @@ _HOME = {
     "Scene": "scuro.scene.scene",
     "ScuroError": "scuro.errors",
     "Settings": "scuro.render_settings",
-    "load": "scuro.load",
+    "load": "scuro.api",
     "render": "scuro.render",
 }
 """Where each public name lives; loaded on first use, so that ``import scuro`` costs nothing."""
@@ -40,9 +42,9 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from scuro.api import load
     from scuro.errors import ScuroError
     from scuro.image import Image
-    from scuro.load import load
     from scuro.render import Renderer, render
     from scuro.render_settings import Settings
     from scuro.scene.camera import Camera
@@ -50,6 +52,18 @@ if TYPE_CHECKING:
     from scuro.scene.geometry import Material
     from scuro.scene.lights import Light, Lighting
     from scuro.scene.scene import Scene
+
+
+class _Package(types.ModuleType):
+    """Keeps ``scuro.load`` and ``scuro.render`` functions: importing the modules of the same name,
+    which sets them as attributes here, must not hide them."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name in _HOME and isinstance(value, types.ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
 
 
 def __getattr__(name: str) -> Any:

@@ -174,4 +174,4 @@ def _note(row: Row) -> str:
     if row.object is None:
         return f"{row.milliseconds:.0f} ms"
     o = row.object
-    return f"{row.milliseconds:.0f} ms · SSIM {o.ssim:.3f} · ΔE {o.delta_e:.2f}"
+    return f"{row.milliseconds:.0f} ms · SSIM {o.ssim:.3f} · dE {o.delta_e:.2f}"
