@@ -325,6 +325,7 @@ class Recorder:
         *,
         depth: Any = None,
         clear: bool = False,
+        clear_value: tuple[float, float, float, float] = (0, 0, 0, 0),
         entries: tuple[str, str] = ("vertex", "fragment"),
         constants: Mapping[str, float] | None = None,
         topology: str = "triangle-list",
@@ -340,7 +341,8 @@ class Recorder:
             instances: Number of instances.
             resources: As in :meth:`compute`.
             depth: Depth texture (reversed: nearer is greater), or ``None``.
-            clear: Clear the targets to zero and depth to 0 first.
+            clear: Clear the targets to ``clear_value`` and depth to 0 (farthest) first.
+            clear_value: Of every target.
             entries: Vertex and fragment entry points.
             constants: Values of ``override`` constants.
             topology: WebGPU primitive topology.
@@ -366,7 +368,7 @@ class Recorder:
                 "view": t.create_view() if hasattr(t, "create_view") else t,
                 "load_op": load,
                 "store_op": "store",
-                "clear_value": (0, 0, 0, 0),
+                "clear_value": clear_value,
             }
             for t in targets.values()
         ]

@@ -18,6 +18,7 @@ from scuro.gpu import Gpu
 from scuro.scene.clip import MAX_PLANES, Clip
 from scuro.scene.geometry import Body, rotation_matrices
 from scuro.trace.pack import PackedGeometry, pack_geometry
+from scuro.trace.table import float_table, padded_bytes, table, table_bytes, table_from_buffer
 
 GRID = np.dtype(
     [("origin", np.float32, 3), ("cell", np.float32), ("dims", np.uint32, 3), ("cells", np.uint32)]
@@ -32,6 +33,7 @@ OBJECT = np.dtype(
         ("grid", GRID),
         ("radius", np.float32),
         ("flags", np.uint32),
+        ("pad", np.uint32, 2),
         ("diffuse", np.float32),
         ("specular", np.float32),
         ("shininess", np.float32),
@@ -39,10 +41,10 @@ OBJECT = np.dtype(
         ("roughness", np.float32),
         ("ior", np.float32),
         ("kind", np.uint32),
-        ("pad", np.uint32, 3),
+        ("pad2", np.uint32),
     ]
 )
-"""``Object`` of wgsl/scene.wgsl."""
+"""``Traced`` and ``Material`` of wgsl/scene.wgsl: OBJECT_TEXELS texels."""
 
 MATERIAL_KINDS = ("diffuse", "glossy", "metal", "mirror", "glass")
 UNCLIPPED = 1
@@ -120,20 +122,22 @@ def build_accelerator(
 
     instances, spheres = _instances(bodies, center, packed)
     items.insert(0, np.stack([np.arange(len(instances)), np.zeros(len(instances))], 1))
-    slot_buffer = gpu.buffer(_joined(slots, (0, 4), np.float32), label="primitives")
+    slot_table = float_table(gpu, _joined(slots, (0, 4), np.float32), "primitives")
     cells, refs = _build_grids(
-        gpu, _joined(items, (0, 2), np.uint32), grids, slot_buffer, spheres, cell_count
+        gpu, _joined(items, (0, 2), np.uint32), grids, slot_table, spheres, cell_count
     )
     objects = np.zeros(max(1, len(bodies)), OBJECT)
     for index, body in enumerate(bodies):
         objects[index] = _object(body, packed[id(body.geometry)], grids[grid_of[id(body.geometry)]])
+    # a single instance needs no grid above it
+    top = objects[int(instances[0]["object"])]["grid"] if len(instances) == 1 else grids[0]
     resources = {
-        "slots": slot_buffer,
-        "attributes": gpu.buffer(_joined(attributes, (0, 4), np.uint32), label="attributes"),
+        "slots": slot_table,
+        "attributes": table(gpu, _joined(attributes, (0, 4), np.uint32), "attributes"),
         "cells": cells,
         "refs": refs,
-        "instances": gpu.buffer(instances, label="instances"),
-        "objects": gpu.buffer(objects, label="objects"),
+        "instances": table(gpu, instances.view(np.uint32).reshape(-1, 4), "instances"),
+        "objects": table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects"),
     }
     if bounds is None:
         boxes = [b.bounds for b in bodies if len(b.positions) and len(b.geometry)]
@@ -157,7 +161,7 @@ def build_accelerator(
             "HAS_TRIANGLES": any(p.has_triangles for p in packed.values()),
             "HAS_TOP_LEVEL": len(instances) != 1,
         },
-        bytes=sum(int(r.size) for r in resources.values()),
+        bytes=sum(table_bytes(t) for t in resources.values()),
         instances=sum(len(b.positions) for b in bodies),
         primitives=sum(len(p.primitives) for p in packed.values()),
         spheres=sum(len(b.geometry.spheres) * len(b.positions) for b in bodies),
@@ -168,7 +172,9 @@ def build_accelerator(
         packed=packed,
         first_slots=first_slots,
         scene={
-            "top": {name: grids[0][name] for name in GRID.names or ()},
+            "top": {name: top[name] for name in GRID.names or ()},
+            "rotation": instances[0]["rotation"] if len(instances) else (0, 0, 0, 1),
+            "center": instances[0]["center"] if len(instances) else (0, 0, 0),
             "instance_count": sum(len(b.positions) for b in bodies),
             "extent": extent,
             "primitive_radius": primitive_radius,
@@ -233,6 +239,7 @@ def _object(body: Body, p: PackedGeometry, grid: Any) -> tuple:
         grid,
         p.radius,
         0 if body.clipped else UNCLIPPED,
+        (0, 0),
         m.diffuse,
         m.specular,
         m.shininess,
@@ -240,7 +247,7 @@ def _object(body: Body, p: PackedGeometry, grid: Any) -> tuple:
         m.roughness,
         m.ior,
         MATERIAL_KINDS.index(m.kind),
-        (0, 0, 0),
+        0,
     )
 
 
@@ -252,9 +259,9 @@ def _build_grids(
     spheres: NDArray[np.float32],
     cell_count: int,
 ) -> tuple[Any, Any]:
-    """The ``cells`` and ``refs`` buffers of all grids together."""
+    """The ``cells`` and ``refs`` tables of all grids together."""
     counts = gpu.buffer(4 * cell_count, label="grid counts")
-    cells = gpu.buffer(4 * cell_count, label="grid cells")
+    cells = gpu.buffer(padded_bytes(cell_count), label="grid cells")
     placeholder = gpu.buffer(16)
     resources = {
         "items": gpu.buffer(items, label="primitives to sort"),
@@ -279,11 +286,12 @@ def _build_grids(
     starts = np.zeros(cell_count, np.uint32)
     starts[1:] = ends[:-1]
     gpu.write_buffer(cells, starts)
-    refs = gpu.buffer(4 * int(ends[-1] if len(ends) else 0), label="grid references")
+    total = int(ends[-1])
+    refs = gpu.buffer(padded_bytes(total), label="grid references")
     resources["refs"] = refs
     encoder = gpu.device.create_command_encoder()
     encoder.clear_buffer(counts)
     gpu.device.queue.submit([encoder.finish()])
     run("fill", len(items))
     run("finish", cell_count)
-    return cells, refs
+    return table_from_buffer(gpu, cells, cell_count), table_from_buffer(gpu, refs, total)

@@ -15,12 +15,16 @@ struct Build {
 // a primitive (kind and slot, or an instance) and the number of its grid
 @group(0) @binding(1) var<storage, read> items: array<vec2u>;
 @group(0) @binding(2) var<storage, read> grids: array<Grid>;
-@group(0) @binding(3) var<storage, read> slots: array<vec4f>;
+@group(0) @binding(3) var slots: texture_2d<f32>;
 // bounding spheres of the instances, for the grid over them
 @group(0) @binding(4) var<storage, read> bounds: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> cells: array<u32>;
 @group(0) @binding(7) var<storage, read_write> refs: array<u32>;
+
+fn slot_at(index: u32) -> vec4f {
+    return textureLoad(slots, table_place(index), 0);
+}
 
 // The solid of an item, as the pieces that the cell test needs.
 struct Extent {
@@ -42,14 +46,14 @@ fn extent_of(item: vec2u) -> Extent {
         e.radius = sphere.w;
     } else {
         let slot = slot_of(item.x);
-        let first = slots[slot];
+        let first = slot_at(slot);
         e.a = first.xyz;
         e.b = e.a;
         e.radius = first.w;
         let kind = kind_of(item.x);
         if (kind == TRIANGLE) {
-            e.b = slots[slot + 1u].xyz;
-            let c = slots[slot + 2u].xyz;
+            e.b = slot_at(slot + 1u).xyz;
+            let c = slot_at(slot + 2u).xyz;
             let normal = cross(e.b - e.a, c - e.a);
             e.radius = 0.0;
             e.plane = vec4f(normal, -dot(normal, e.a));
@@ -58,7 +62,7 @@ fn extent_of(item: vec2u) -> Extent {
             return e;
         }
         if (kind != SPHERE) {
-            let second = slots[slot + 1u];
+            let second = slot_at(slot + 1u);
             e.b = second.xyz;
             e.radius = max(first.w, second.w);
         }

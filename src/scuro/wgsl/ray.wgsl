@@ -68,7 +68,12 @@ fn cylinder_span(ray: Ray, a: vec3f, b: vec3f, radius: f32) -> Span {
         return MISS;
     }
     let half = sqrt(square);
-    return Span(max(near, along - half), min(far, along + half));
+    near = max(near, along - half);
+    far = min(far, along + half);
+    if (near > far) {
+        return MISS;
+    }
+    return Span(near, far);
 }
 
 // Entry into the rounded cone around a (radius ra) and b (radius rb): two spheres and the cone
@@ -141,8 +146,8 @@ fn cone_normal(p: vec3f, a: vec3f, b: vec3f, ra: f32, rb: f32) -> vec3f {
     return normalize(side2 * (p - a) - axis_vector * y);
 }
 
-// Moller-Trumbore, both faces: (t, weight of b, weight of c); t = NOTHING for a miss.
-fn triangle_hit(ray: Ray, a: vec3f, b: vec3f, c: vec3f) -> vec3f {
+// Where a ray meets a triangle's plane (Moller & Trumbore): (t, weight of b, weight of c).
+fn plane_hit(ray: Ray, a: vec3f, b: vec3f, c: vec3f) -> vec3f {
     let ab = b - a;
     let ac = c - a;
     let p = cross(ray.direction, ac);
@@ -153,9 +158,14 @@ fn triangle_hit(ray: Ray, a: vec3f, b: vec3f, c: vec3f) -> vec3f {
     let from_a = ray.origin - a;
     let u = dot(from_a, p) / det;
     let q = cross(from_a, ab);
-    let v = dot(ray.direction, q) / det;
-    if (u < 0.0 || v < 0.0 || u + v > 1.0) {
+    return vec3f(dot(ac, q) / det, u, dot(ray.direction, q) / det);
+}
+
+// The same within the triangle, from either side; t = NOTHING for a miss.
+fn triangle_hit(ray: Ray, a: vec3f, b: vec3f, c: vec3f) -> vec3f {
+    let hit = plane_hit(ray, a, b, c);
+    if (hit.y < 0.0 || hit.z < 0.0 || hit.y + hit.z > 1.0) {
         return vec3f(NOTHING, 0.0, 0.0);
     }
-    return vec3f(dot(ac, q) / det, u, v);
+    return hit;
 }

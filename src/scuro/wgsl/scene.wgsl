@@ -19,11 +19,16 @@ struct Instance {
 
 const UNCLIPPED: u32 = 1u;
 
-struct Object {
+// What tracing needs of an object.
+struct Traced {
     grid: Grid,
     // of the bounding sphere around the local origin
     radius: f32,
     flags: u32,
+}
+
+// What shading needs of an object.
+struct Material {
     diffuse: f32,
     specular: f32,
     shininess: f32,
@@ -32,15 +37,16 @@ struct Object {
     ior: f32,
     // 0 diffuse, 1 glossy, 2 metal, 3 mirror, 4 glass
     kind: u32,
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
 }
 
 const MAX_PLANES: u32 = 32u;
 
 struct Scene {
+    // the grid over instances; with a single instance, that of its geometry
     top: Grid,
+    // of a single instance
+    rotation: vec4f,
+    center: vec3f,
     planes: array<vec4f, MAX_PLANES>,
     plane_count: u32,
     // whether some object is not clipped
@@ -54,11 +60,48 @@ struct Scene {
 
 @group(1) @binding(0) var<uniform> scene: Scene;
 // spheres: (center, radius); rods and cones: two slots; triangles: three (w unused)
-@group(1) @binding(1) var<storage, read> slots: array<vec4f>;
-@group(1) @binding(2) var<storage, read> cells: array<u32>;
-@group(1) @binding(3) var<storage, read> refs: array<u32>;
-@group(1) @binding(4) var<storage, read> instances: array<Instance>;
-@group(1) @binding(5) var<storage, read> objects: array<Object>;
+@group(1) @binding(1) var slots: texture_2d<f32>;
+@group(1) @binding(2) var cells: texture_2d<u32>;
+@group(1) @binding(3) var refs: texture_2d<u32>;
+// two texels an instance
+@group(1) @binding(4) var instances: texture_2d<u32>;
+// OBJECT_TEXELS an object
+@group(1) @binding(5) var objects: texture_2d<u32>;
+
+const OBJECT_TEXELS: u32 = 5u;
+
+fn slot_at(index: u32) -> vec4f {
+    return textureLoad(slots, table_place(index), 0);
+}
+
+fn cell_at(index: u32) -> u32 {
+    return textureLoad(cells, table_place(index), 0).x;
+}
+
+fn ref_at(index: u32) -> u32 {
+    return textureLoad(refs, table_place(index), 0).x;
+}
+
+fn instance_at(index: u32) -> Instance {
+    let rotation = textureLoad(instances, table_place(2u * index), 0);
+    let center = textureLoad(instances, table_place(2u * index + 1u), 0);
+    return Instance(bitcast<vec4f>(rotation), bitcast<vec3f>(center.xyz), center.w);
+}
+
+fn traced_object(index: u32) -> Traced {
+    let a = textureLoad(objects, table_place(OBJECT_TEXELS * index), 0);
+    let b = textureLoad(objects, table_place(OBJECT_TEXELS * index + 1u), 0);
+    let c = textureLoad(objects, table_place(OBJECT_TEXELS * index + 2u), 0);
+    return Traced(
+        Grid(bitcast<vec3f>(a.xyz), bitcast<f32>(a.w), b.xyz, b.w), bitcast<f32>(c.x), c.y,
+    );
+}
+
+fn material_at(index: u32) -> Material {
+    let c = bitcast<vec4f>(textureLoad(objects, table_place(OBJECT_TEXELS * index + 3u), 0));
+    let d = textureLoad(objects, table_place(OBJECT_TEXELS * index + 4u), 0);
+    return Material(c.x, c.y, c.z, c.w, bitcast<f32>(d.x), bitcast<f32>(d.y), d.z);
+}
 
 fn conjugate(q: vec4f) -> vec4f {
     return vec4f(-q.xyz, q.w);

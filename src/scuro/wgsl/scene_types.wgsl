@@ -25,3 +25,11 @@ struct Grid {
     // index of its first cell in `cells`
     cells: u32,
 }
+
+// Tables live in textures: a software adapter fetches texels many times faster than it gathers from
+// storage buffers, hardware is as fast either way, and textures have no limit of 128 MiB a binding.
+const TABLE_BITS: u32 = 13u;
+
+fn table_place(index: u32) -> vec2u {
+    return vec2u(index & ((1u << TABLE_BITS) - 1u), index >> TABLE_BITS);
+}

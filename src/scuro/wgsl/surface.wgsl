@@ -5,7 +5,11 @@
 //#include "color.wgsl"
 
 // For each slot: element id, sRGB color, octahedral normal (triangles), unused
-@group(1) @binding(6) var<storage, read> attributes: array<vec4u>;
+@group(1) @binding(6) var attributes: texture_2d<u32>;
+
+fn attribute_at(slot: u32) -> vec4u {
+    return textureLoad(attributes, table_place(slot), 0);
+}
 
 struct Surface {
     t: f32,
@@ -24,37 +28,37 @@ fn unpack_color(packed: u32) -> vec3f {
 
 // `hit` tells primitive, instance and cap; t is solved again in the instance's own frame.
 fn surface_at(ray: Ray, hit: Hit) -> Surface {
-    let instance = instances[hit.instance];
+    let instance = instance_at(hit.instance);
     let inverse = conjugate(instance.rotation);
     let local = Ray(rotate(inverse, ray.origin - instance.center), rotate(inverse, ray.direction));
     let slot = slot_of(hit.primitive);
     let kind = kind_of(hit.primitive);
-    let a = slots[slot];
+    let a = slot_at(slot);
     var t = hit.t;
     var normal: vec3f;
     var which = slot;
     var color: vec3f;
     if (HAS_TRIANGLES && kind == TRIANGLE) {
-        let found = triangle_hit(local, a.xyz, slots[slot + 1u].xyz, slots[slot + 2u].xyz);
-        if (found.x < NOTHING) {
-            t = found.x;
-        }
-        let weights = vec3f(1.0 - found.y - found.z, found.y, found.z);
-        normal = weights.x * octahedral_decode(attributes[slot].z)
-            + weights.y * octahedral_decode(attributes[slot + 1u].z)
-            + weights.z * octahedral_decode(attributes[slot + 2u].z);
+        // the plane, not the triangle: whoever found it may have rounded its edge differently
+        let found = plane_hit(local, a.xyz, slot_at(slot + 1u).xyz, slot_at(slot + 2u).xyz);
+        t = found.x;
+        let inside = max(vec3f(1.0 - found.y - found.z, found.y, found.z), vec3f(0.0));
+        let weights = inside / (inside.x + inside.y + inside.z);
+        normal = weights.x * octahedral_decode(attribute_at(slot).z)
+            + weights.y * octahedral_decode(attribute_at(slot + 1u).z)
+            + weights.z * octahedral_decode(attribute_at(slot + 2u).z);
         normal = normalize(normal);
         if (dot(normal, local.direction) > 0.0) {
             // a back face, or an interpolated normal that leans away at the silhouette
-            let flat = cross(slots[slot + 1u].xyz - a.xyz, slots[slot + 2u].xyz - a.xyz);
+            let flat = cross(slot_at(slot + 1u).xyz - a.xyz, slot_at(slot + 2u).xyz - a.xyz);
             let facing = select(-flat, flat, dot(flat, local.direction) < 0.0);
             if (dot(normal, facing) < 0.0) {
                 normal = -normal;
             }
         }
-        color = weights.x * unpack_color(attributes[slot].y)
-            + weights.y * unpack_color(attributes[slot + 1u].y)
-            + weights.z * unpack_color(attributes[slot + 2u].y);
+        color = weights.x * unpack_color(attribute_at(slot).y)
+            + weights.y * unpack_color(attribute_at(slot + 1u).y)
+            + weights.z * unpack_color(attribute_at(slot + 2u).y);
         which = slot + select(select(2u, 1u, weights.y >= weights.z), 0u,
             weights.x >= weights.y && weights.x >= weights.z);
     } else {
@@ -66,7 +70,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
         }
         let point = local.origin + t * local.direction;
         if (HAS_RODS && kind != SPHERE) {
-            let b = slots[slot + 1u];
+            let b = slot_at(slot + 1u);
             let axis = b.xyz - a.xyz;
             let h = dot(point - a.xyz, axis) / dot(axis, axis);
             which = slot + select(0u, 1u, h > 0.5);
@@ -79,7 +83,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
             normal = (point - a.xyz) / a.w;
         }
         normal = normalize(normal);
-        color = unpack_color(attributes[which].y);
+        color = unpack_color(attribute_at(which).y);
     }
     var out: Surface;
     out.t = t;
@@ -89,7 +93,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
         out.normal = -scene.planes[hit.cap - 1u].xyz;
     }
     out.color = color;
-    out.element = attributes[which].x;
+    out.element = attribute_at(which).x;
     out.instance = hit.instance;
     out.object = instance.object;
     return out;

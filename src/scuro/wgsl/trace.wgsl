@@ -58,18 +58,18 @@ fn kept_interval(ray: Ray) -> Kept {
 // Entry and exit of one primitive.
 fn primitive_span(ray: Ray, primitive: u32) -> Span {
     let slot = slot_of(primitive);
-    let a = slots[slot];
+    let a = slot_at(slot);
     let kind = kind_of(primitive);
     if (HAS_RODS && kind == ROD) {
-        let b = slots[slot + 1u];
+        let b = slot_at(slot + 1u);
         return cylinder_span(ray, a.xyz, b.xyz, a.w);
     }
     if (HAS_RODS && kind == CONE) {
-        let b = slots[slot + 1u];
+        let b = slot_at(slot + 1u);
         return cone_span(ray, a.xyz, b.xyz, a.w, b.w);
     }
     if (HAS_TRIANGLES && kind == TRIANGLE) {
-        let t = triangle_hit(ray, a.xyz, slots[slot + 1u].xyz, slots[slot + 2u].xyz).x;
+        let t = triangle_hit(ray, a.xyz, slot_at(slot + 1u).xyz, slot_at(slot + 2u).xyz).x;
         return Span(t, t);
     }
     return sphere_span(ray, a.xyz, a.w);
@@ -78,10 +78,10 @@ fn primitive_span(ray: Ray, primitive: u32) -> Span {
 // How deep p lies in a solid primitive: 0 on its axis or center, 1 on its surface.
 fn primitive_depth(p: vec3f, primitive: u32) -> f32 {
     let slot = slot_of(primitive);
-    let a = slots[slot];
+    let a = slot_at(slot);
     var center = a;
     if (HAS_RODS && kind_of(primitive) != SPHERE) {
-        let b = slots[slot + 1u];
+        let b = slot_at(slot + 1u);
         let axis = b.xyz - a.xyz;
         let h = saturate(dot(p - a.xyz, axis) / dot(axis, axis));
         center = mix(a, b, h);
@@ -100,7 +100,7 @@ fn consider(ray: Ray, primitive: u32, instance: u32, t_min: f32, kept: Kept, bes
         // the plane cuts it: solid inside, a cap on the plane
         if (span.far > kept.near) {
             let depth = primitive_depth(ray.origin + kept.near * ray.direction, primitive);
-            if (kept.near < (*best).t || depth < (*best).depth) {
+            if (kept.near < (*best).t || (kept.near == (*best).t && depth < (*best).depth)) {
                 *best = Hit(kept.near, primitive, instance, kept.entry, depth);
             }
         }
@@ -160,16 +160,10 @@ fn walk_start(grid: Grid, ray: Ray, t_min: f32, t_max: f32) -> Walk {
 // Go on to the next cell along the ray.
 fn walk_on(walk: ptr<function, Walk>) {
     let t = (*walk).t_next;
-    if (t.x <= t.y && t.x <= t.z) {
-        (*walk).cell += (*walk).stride.x;
-        (*walk).t_next.x += (*walk).t_step.x;
-    } else if (t.y <= t.z) {
-        (*walk).cell += (*walk).stride.y;
-        (*walk).t_next.y += (*walk).t_step.y;
-    } else {
-        (*walk).cell += (*walk).stride.z;
-        (*walk).t_next.z += (*walk).t_step.z;
-    }
+    let x = t.x <= t.y && t.x <= t.z;
+    let y = !x && t.y <= t.z;
+    (*walk).t_next = t + select(vec3f(0.0), (*walk).t_step, vec3<bool>(x, y, !(x || y)));
+    (*walk).cell += select(select((*walk).stride.z, (*walk).stride.y, y), (*walk).stride.x, x);
 }
 
 // Trace the primitives of one instance, in its local frame.
@@ -181,11 +175,11 @@ fn trace_geometry(
         return;
     }
     loop {
-        let first = cells[walk.cell];
+        let first = cell_at(u32(walk.cell));
         if (first != EMPTY_CELL) {
             var index = first;
             loop {
-                let reference = refs[index];
+                let reference = ref_at(index);
                 consider(ray, reference & ~LAST_OF_CELL, instance, t_min, kept, best);
                 index += 1u;
                 if ((reference & LAST_OF_CELL) != 0u || (mode == ANY && (*best).t < NOTHING)) {
@@ -207,8 +201,8 @@ fn trace_geometry(
 fn trace_instance(
     ray: Ray, index: u32, t_min: f32, kept: Kept, mode: u32, best: ptr<function, Hit>,
 ) {
-    let instance = instances[index];
-    let object = objects[instance.object];
+    let instance = instance_at(index);
+    let object = traced_object(instance.object);
     let to_center = instance.center - ray.origin;
     let along = dot(to_center, ray.direction);
     let off = to_center - along * ray.direction;
@@ -238,7 +232,13 @@ fn trace(ray: Ray, t_min: f32, t_max: f32, mode: u32) -> Hit {
         kept.far = min(kept.far, t_max);
     }
     if (!HAS_TOP_LEVEL) {
-        trace_instance(ray, 0u, t_min, kept, mode, &best);
+        // one instance: everything about it is in the uniform
+        let inverse = conjugate(scene.rotation);
+        let local = Ray(rotate(inverse, ray.origin - scene.center), rotate(inverse, ray.direction));
+        if (CLIPPED && scene.spared != 0u) {
+            kept = Kept(-NOTHING, t_max, 0u);
+        }
+        trace_geometry(scene.top, local, 0u, t_min, kept, mode, &best);
         return best;
     }
     var around = kept;
@@ -252,11 +252,11 @@ fn trace(ray: Ray, t_min: f32, t_max: f32, mode: u32) -> Hit {
     // the last two instances seen need no second look
     var seen = vec2u(NO_PRIMITIVE);
     loop {
-        let first = cells[walk.cell];
+        let first = cell_at(u32(walk.cell));
         if (first != EMPTY_CELL) {
             var index = first;
             loop {
-                let reference = refs[index];
+                let reference = ref_at(index);
                 let instance = reference & ~LAST_OF_CELL;
                 if (instance != seen.x && instance != seen.y) {
                     trace_instance(ray, instance, t_min, kept, mode, &best);

@@ -36,9 +36,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let position = scene_position(pixel, texel.w);
     let normal = texel.xyz;
     let to_eye = -scene_ray(pixel).direction;
-    let diffuse = objects[object].diffuse;
-    let specular = objects[object].specular;
-    let shininess = objects[object].shininess;
+    let material = material_at(object);
 
     var open = 1.0;
     if (HAS_OCCLUSION) {
@@ -57,8 +55,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             lit = textureLoad(shadow, id.xy, light.shadow, 0).x;
         }
         let between = normalize(arriving.direction + to_eye);
-        let shine = specular * pow(max(dot(normal, between), 0.0), shininess);
-        sum += lit * arriving.color * (base * diffuse * facing + shine * smoothstep(0.0, 0.2, facing));
+        let shine = material.specular
+            * pow(max(dot(normal, between), 0.0), material.shininess);
+        sum += lit * arriving.color * (base * material.diffuse * facing + shine * smoothstep(0.0, 0.2, facing));
     }
     textureStore(color, id.xy, vec4f(sum, 1.0));
 }

@@ -1,0 +1,69 @@
+"""Tables in textures: index i lies at column i mod 8192 of row i div 8192 (wgsl/scene_types.wgsl).
+
+Measured on lavapipe: a sequential vec4 load costs 5 ns from a texture and 43 ns from a storage
+buffer, a random one 41 and 87 ns.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.errors import GpuError
+from scuro.gpu import Gpu
+
+WIDTH = 1 << 13
+
+
+def _rows(gpu: Gpu, count: int, what: str) -> int:
+    rows = max(1, -(-count // WIDTH))
+    if rows > gpu.max_texture:
+        raise GpuError(
+            f"{count:,} {what} are too many for {gpu.info.name}, which holds "
+            f"{WIDTH * gpu.max_texture:,}; show fewer atoms or use larger instances"
+        )
+    return rows
+
+
+def _filled(gpu: Gpu, data: NDArray, format: str, what: str) -> Any:
+    rows = _rows(gpu, len(data), what)
+    texture = gpu.texture((WIDTH if rows > 1 else max(1, len(data)), rows), format, label=what)
+    whole = len(data) // WIDTH
+    if whole:
+        gpu.write_texture(texture, data[: whole * WIDTH].reshape(whole, WIDTH, -1))
+    rest = data[whole * WIDTH :]
+    if len(rest):
+        gpu.write_texture(texture, rest.reshape(1, len(rest), -1), origin=(0, whole, 0))
+    return texture
+
+
+def table(gpu: Gpu, data: NDArray[np.uint32], what: str) -> Any:
+    """A table of four integers an entry, from (n, 4)."""
+    return _filled(gpu, data, "rgba32uint", what)
+
+
+def float_table(gpu: Gpu, data: NDArray[np.float32], what: str) -> Any:
+    """A table of four floats an entry, from (n, 4)."""
+    return _filled(gpu, data, "rgba32float", what)
+
+
+def padded_bytes(count: int) -> int:
+    """Size of a buffer of so many integers that :func:`table_from_buffer` can copy."""
+    return 4 * WIDTH * max(1, -(-count // WIDTH))
+
+
+def table_from_buffer(gpu: Gpu, buffer: Any, count: int) -> Any:
+    """A table of one integer an entry, from a buffer of :func:`padded_bytes`."""
+    texture = gpu.texture((WIDTH, _rows(gpu, count, "grid entries")), "r32uint", label="grid")
+    recorder = gpu.recorder()
+    recorder.copy_buffer_to_texture(buffer, texture)
+    recorder.submit()
+    return texture
+
+
+def table_bytes(texture: Any) -> int:
+    """GPU memory of a table."""
+    width, height, _ = texture.size
+    return width * height * (4 if texture.format == "r32uint" else 16)
