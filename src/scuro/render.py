@@ -12,6 +12,7 @@ from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
+from scuro.scene.lights import DIRECTIONAL
 from scuro.scene.scene import Scene
 from scuro.trace import Accelerator, build_accelerator
 
@@ -62,6 +63,9 @@ class Renderer:
         )
         frame.resources["lights"] = lights_uniform(
             lighting, camera, accelerator.center, shadows=False
+        )
+        frame.constants["LOCAL_LIGHTS"] = any(
+            light.kind != DIRECTIONAL for light in lighting.lights
         )
         draw_visibility(frame)
         shade(frame)

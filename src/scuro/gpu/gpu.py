@@ -170,13 +170,16 @@ class Gpu:
             (width, height, depth),
         )
 
-    def buffer(self, data: NDArray | int, *, label: str = "", usage: int = 0) -> Any:
-        """A storage buffer of so many bytes, or filled from an array (padded to 16 bytes)."""
+    def buffer(self, data: NDArray | int, *, label: str = "", indirect: bool = False) -> Any:
+        """A storage buffer of so many bytes, or filled from an array (padded to 16 bytes).
+
+        ``indirect`` buffers can hold the workgroup counts of a dispatch.
+        """
         import wgpu
 
-        flags = (
-            wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC | wgpu.BufferUsage.COPY_DST | usage
-        )
+        flags = wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC | wgpu.BufferUsage.COPY_DST
+        if indirect:
+            flags |= wgpu.BufferUsage.INDIRECT
         size = data if isinstance(data, int) else data.nbytes
         padded = max(16, -(-size // 16) * 16)
         if padded > self.max_binding:
@@ -211,6 +214,10 @@ class Gpu:
         else:
             self._uniforms.move_to_end(content)
         return found
+
+    @cached_property
+    def _fence(self) -> Any:
+        return self.buffer(16, label="fence")
 
     @cached_property
     def linear_sampler(self) -> Any:
@@ -260,14 +267,11 @@ class Gpu:
         recorder.submit()
 
     def finish(self) -> None:
-        """Wait until everything submitted is done."""
-        with _telling("rendering"):
-            # a read waits for all before it (wgpu 0.32's own wait call does not fit its library)
-            self.device.queue.read_buffer(self._mark)
+        """Wait until everything submitted is done.
 
-    @cached_property
-    def _mark(self) -> Any:
-        return self.buffer(4, label="mark")
+        Reads a word back: ``on_submitted_work_done_sync`` of wgpu-py 0.32 raises a TypeError.
+        """
+        self.read_buffer(self._fence, np.uint32)
 
 
 class Recorder:
@@ -289,6 +293,7 @@ class Recorder:
         resources: Resources,
         constants: Mapping[str, float] | None = None,
         label: str = "",
+        indirect: Any = None,
     ) -> None:
         """Record a compute pass.
 
@@ -301,10 +306,11 @@ class Recorder:
                 so a frame's resources can be given whole.
             constants: Values of ``override`` constants.
             label: Name in the timings; the file's stem by default.
+            indirect: Buffer with the three workgroup counts, in place of ``threads``.
         """
         program = self.gpu.programs.compute(shader, entry, constants or {})
         size = program.source.workgroups[entry]
-        groups = [-(-int(t) // s) for t, s in zip((*threads, 1, 1)[:3], size, strict=True)]
+        groups = [-(-int(t) // s) for t, s in zip((*threads, 1, 1, 1)[:3], size, strict=True)]
         label = label or program.name
         with _telling(f"pass '{label}'"):
             bind_groups = program.bind(self.gpu, resources)
@@ -312,7 +318,10 @@ class Recorder:
             run.set_pipeline(program.pipeline)
             for index, group in enumerate(bind_groups):
                 run.set_bind_group(index, group)
-            run.dispatch_workgroups(*groups)
+            if indirect is None:
+                run.dispatch_workgroups(*groups)
+            else:
+                run.dispatch_workgroups_indirect(indirect, 0)
             run.end()
 
     def draw(
@@ -407,6 +416,23 @@ class Recorder:
             {"texture": texture, "mip_level": mip, "origin": (0, 0, 0)},
             (width, height, depth),
         )
+
+    def clear_texture(self, texture: Any, value: tuple[float, float, float, float]) -> None:
+        """Fill a texture that render passes may draw into."""
+        self._encoder.begin_render_pass(
+            color_attachments=[
+                {
+                    "view": texture.create_view(),
+                    "load_op": "clear",
+                    "store_op": "store",
+                    "clear_value": value,
+                }
+            ]
+        ).end()
+
+    def clear_buffer(self, buffer: Any) -> None:
+        """Fill a buffer with zeros."""
+        self._encoder.clear_buffer(buffer)
 
     def copy_texture(self, source: Any, target: Any) -> None:
         """Copy one texture into another of the same size and format."""

@@ -25,6 +25,7 @@ class TargetPool:
         self._held: dict[str, tuple[tuple, Any]] = {}
         self.frame: Frame | None = None
         """The last frame that drew into these textures: what they hold is its."""
+        self._buffers: dict[str, tuple[tuple, Any]] = {}
 
     def get(self, name: str, size: Sequence[int], format: str, attachment: bool = False) -> Any:
         """The texture of that name, made anew if size or format changed."""
@@ -35,9 +36,20 @@ class TargetPool:
             self._held[name] = held = (key, texture)
         return held[1]
 
+    def buffer(self, name: str, size: int, indirect: bool = False) -> Any:
+        """The buffer of that name, made anew if its size changed."""
+        key = (size, indirect)
+        held = self._buffers.get(name)
+        if held is None or held[0] != key:
+            self._buffers[name] = held = (
+                key,
+                self._gpu.buffer(size, label=name, indirect=indirect),
+            )
+        return held[1]
+
     @property
     def bytes(self) -> int:
-        """GPU memory held."""
+        """GPU memory held by textures."""
         texel = {"r32float": 4, "rg32float": 8, "rgba8unorm": 4, "depth32float": 4, "r32uint": 4}
         return sum(
             int(np.prod(key[:-2])) * texel.get(key[-2], 16 if "32" in key[-2] else 8)
@@ -70,11 +82,43 @@ class Frame:
         *,
         size: Sequence[int] | None = None,
         attachment: bool = False,
+        clear: tuple[float, float, float, float] | None = None,
     ) -> Any:
-        """A texture of the frame's size (or another), known to later passes by its name."""
+        """A texture of the frame's size (or another), known to later passes by its name.
+
+        ``clear`` fills it first: tiled passes leave the rest of the picture untouched.
+        """
+        attachment = attachment or clear is not None
         texture = self.targets.get(name, size or self.size, format, attachment)
+        if clear is not None:
+            self.recorder.clear_texture(texture, clear)
         self.resources[name] = texture
         return texture
+
+    def scratch(self, name: str, size: int, *, indirect: bool = False) -> Any:
+        """A storage buffer of at least ``size`` bytes, known to later passes by its name."""
+        buffer = self.targets.buffer(name, size, indirect)
+        self.resources[name] = buffer
+        return buffer
+
+    def compute_tiles(
+        self,
+        shader: str,
+        resources: Mapping[str, Any] | None = None,
+        *,
+        constants: Mapping[str, float] | None = None,
+        label: str = "",
+    ) -> None:
+        """Record a compute pass over the tiles that may show a surface (wgsl/tiles.wgsl)."""
+        self.recorder.compute(
+            shader,
+            "main",
+            (),
+            self.resources | (resources or {}),
+            self.constants | (constants or {}),
+            label,
+            indirect=self.resources["tile_count"],
+        )
 
     def compute(
         self,

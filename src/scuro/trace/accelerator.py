@@ -73,8 +73,15 @@ class Accelerator:
     """By ``id(geometry)``."""
     first_slots: dict[int, int]
     """By ``id(geometry)``: its first slot in ``slots``."""
+    cluster_runs: tuple[tuple[int, int, int, int], ...]
+    """For each body: first instance, instances, first cluster, clusters."""
     scene: dict[str, Any]
     """Field values of the ``scene`` uniform, but for the clipping planes."""
+
+    @property
+    def cluster_instances(self) -> int:
+        """Clusters drawn, instances counted."""
+        return sum(copies * clusters for _, copies, _, clusters in self.cluster_runs)
 
     def clipped(self, clip: Clip) -> tuple[dict[str, Any], dict[str, float]]:
         """Resources and constants with a clip's planes in place: nothing is rebuilt."""
@@ -139,6 +146,8 @@ def build_accelerator(
         "instances": table(gpu, instances.view(np.uint32).reshape(-1, 4), "instances"),
         "objects": table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects"),
     }
+    clusters, runs = _clusters(bodies, packed)
+    resources["clusters"] = gpu.buffer(clusters, label="clusters")
     if bounds is None:
         boxes = [b.bounds for b in bodies if len(b.positions) and len(b.geometry)]
         bounds = (
@@ -161,7 +170,7 @@ def build_accelerator(
             "HAS_TRIANGLES": any(p.has_triangles for p in packed.values()),
             "HAS_TOP_LEVEL": len(instances) != 1,
         },
-        bytes=sum(table_bytes(t) for t in resources.values()),
+        bytes=sum(table_bytes(t) for n, t in resources.items() if n != "clusters"),
         instances=sum(len(b.positions) for b in bodies),
         primitives=sum(len(p.primitives) for p in packed.values()),
         spheres=sum(len(b.geometry.spheres) * len(b.positions) for b in bodies),
@@ -171,6 +180,7 @@ def build_accelerator(
         bodies=tuple(bodies),
         packed=packed,
         first_slots=first_slots,
+        cluster_runs=runs,
         scene={
             "top": {name: top[name] for name in GRID.names or ()},
             "rotation": instances[0]["rotation"] if len(instances) else (0, 0, 0, 1),
@@ -211,6 +221,26 @@ def _instances(
         tables.append(table)
         spheres.append(sphere)
     return np.concatenate(tables), np.concatenate(spheres)
+
+
+def _clusters(
+    bodies: Sequence[Body], packed: dict[int, PackedGeometry]
+) -> tuple[NDArray[np.float32], tuple[tuple[int, int, int, int], ...]]:
+    """Bounding spheres of all geometries' clusters, and where each body finds its own."""
+    firsts: dict[int, int] = {}
+    tables, total = [np.zeros((1, 4), np.float32)], 1
+    runs, instance = [], 0
+    for body in bodies:
+        key = id(body.geometry)
+        clusters = packed[key].clusters
+        if key not in firsts:
+            firsts[key] = total
+            tables.append(clusters)
+            total += len(clusters)
+        if len(clusters) and len(body.positions):
+            runs.append((instance, len(body.positions), firsts[key], len(clusters)))
+        instance += len(body.positions)
+    return np.concatenate(tables), tuple(runs)
 
 
 def _top_grid(bodies: Sequence[Body], center: NDArray) -> tuple[Any, int]:
@@ -289,9 +319,9 @@ def _build_grids(
     total = int(ends[-1])
     refs = gpu.buffer(padded_bytes(total), label="grid references")
     resources["refs"] = refs
-    encoder = gpu.device.create_command_encoder()
-    encoder.clear_buffer(counts)
-    gpu.device.queue.submit([encoder.finish()])
+    recorder = gpu.recorder()
+    recorder.clear_buffer(counts)
+    recorder.submit()
     run("fill", len(items))
     run("finish", cell_count)
     return table_from_buffer(gpu, cells, cell_count), table_from_buffer(gpu, refs, total)

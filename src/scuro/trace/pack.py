@@ -21,7 +21,7 @@ class PackedGeometry:
     slots: NDArray[np.float32]
     """(s, 4): one a sphere (centre, radius), two a rod, three a triangle."""
     attributes: NDArray[np.uint32]
-    """(s, 4): element id, sRGB colour, octahedral normal, 0."""
+    """(s, 4): element id; linear red and green, blue as halves; octahedral normal."""
     primitives: NDArray[np.uint32]
     """(p,) kind and first slot of each primitive."""
     middle: NDArray[np.float32]
@@ -31,6 +31,8 @@ class PackedGeometry:
     origin: NDArray[np.float32]
     cell: float
     dims: NDArray[np.uint32]
+    clusters: NDArray[np.float32]
+    """(c, 4) bounding spheres of runs of primitives that lie close together."""
     median_radius: float
     has_rods: bool
     has_triangles: bool
@@ -38,6 +40,10 @@ class PackedGeometry:
 
 CELLS_A_PRIMITIVE = 4
 """Upper bound on a grid's cells: sparse geometries get larger cells, not more of them."""
+
+_LINEAR = np.arange(256) / 255
+_LINEAR = np.where(_LINEAR <= 0.04045, _LINEAR / 12.92, ((_LINEAR + 0.055) / 1.055) ** 2.4)
+"""Linear intensity of an sRGB byte."""
 
 _packed: weakref.WeakKeyDictionary[Geometry, PackedGeometry] = weakref.WeakKeyDictionary()
 
@@ -59,13 +65,15 @@ def _pack(geometry: Geometry) -> PackedGeometry:
     cell, dims = _cells(geometry, low, high, median, count * CELLS_A_PRIMITIVE)
     origin = low - middle - 0.5 * (dims * cell - (high - low))
 
-    def order(points: NDArray) -> NDArray[np.intp]:
-        return np.argsort(morton(((points - low) / cell).astype(np.uint32)), kind="stable")
+    def order(points: NDArray) -> tuple[NDArray[np.intp], NDArray[np.uint32]]:
+        codes = morton(((points - low) / cell).astype(np.uint32))
+        along = np.argsort(codes, kind="stable")
+        return along, codes[along]
 
     # spheres, then rods, then triangles, each along the curve
-    s = order(geometry.spheres[:, :3])
-    r = order(geometry.rods[:, :, :3].mean(axis=1))
-    t = order(geometry.triangles.mean(axis=1)) if len(geometry.triangles) else np.zeros(0, np.intp)
+    s, s_codes = order(geometry.spheres[:, :3])
+    r, r_codes = order(geometry.rods[:, :, :3].mean(axis=1))
+    t, t_codes = order(geometry.triangles.mean(axis=1))
     spheres, rods, triangles = geometry.spheres[s], geometry.rods[r], geometry.triangles[t]
     slots = np.zeros((len(s) + 2 * len(r) + 3 * len(t), 4), np.float32)
     rod_at, triangle_at = len(s), len(s) + 2 * len(r)
@@ -85,9 +93,12 @@ def _pack(geometry: Geometry) -> PackedGeometry:
             geometry.triangle_colors[t].reshape(-1, 4),
         ]
     )
-    attributes[:, 1] = np.ascontiguousarray(colors).view(np.uint32)[:, 0]
+    # three halves and nothing: linear colour needs no power function when a pixel is shaded
+    halves = np.zeros((len(slots), 4), np.float16)
+    halves[:, :3] = _LINEAR[colors[:, :3]]
+    attributes[:, 1:3] = halves.view(np.uint32)
     if len(t):
-        attributes[triangle_at:, 2] = octahedral(geometry.triangle_normals[t].reshape(-1, 3))
+        attributes[triangle_at:, 3] = octahedral(geometry.triangle_normals[t].reshape(-1, 3))
 
     rod_kind = np.where(np.isclose(rods[:, 0, 3], rods[:, 1, 3], rtol=1e-5), ROD, CONE)
     primitives = np.concatenate(
@@ -107,10 +118,30 @@ def _pack(geometry: Geometry) -> PackedGeometry:
         origin=origin.astype(np.float32),
         cell=cell,
         dims=dims,
+        clusters=np.concatenate(
+            [
+                _clusters(slots[:rod_at, None], s_codes),
+                _clusters(slots[rod_at:triangle_at].reshape(-1, 2, 4), r_codes),
+                _clusters(slots[triangle_at:].reshape(-1, 3, 4), t_codes),
+            ]
+        ),
         median_radius=median,
         has_rods=len(r) > 0,
         has_triangles=len(t) > 0,
     )
+
+
+def _clusters(points: NDArray[np.float32], codes: NDArray[np.uint32]) -> NDArray[np.float32]:
+    """Bounding spheres (c, 4) of runs of primitives (n, k, 4) that share a cell, or 2³ or 4³."""
+    if len(points) == 0:
+        return np.zeros((0, 4), np.float32)
+    cubes = codes >> np.uint32(0 if len(points) < 20_000 else 3 if len(points) < 200_000 else 6)
+    starts = np.flatnonzero(np.append(True, cubes[1:] != cubes[:-1]))
+    low = np.minimum.reduceat((points[..., :3] - points[..., 3:]).min(axis=1), starts)
+    high = np.maximum.reduceat((points[..., :3] + points[..., 3:]).max(axis=1), starts)
+    middle = (low + high) / 2
+    radius = np.linalg.norm(high - low, axis=1) / 2
+    return np.concatenate([middle, radius[:, None] * 1.0001], axis=1)
 
 
 def _cells(

@@ -5,6 +5,9 @@ const POINT: u32 = 1u;
 const SPOT: u32 = 2u;
 const MAX_LIGHTS: u32 = 16u;
 
+// Whether any light is a point or a spot.
+override LOCAL_LIGHTS: bool = true;
+
 // All in scene space.
 struct Light {
     position: vec3f,
@@ -40,7 +43,7 @@ struct Incoming {
 }
 
 fn incoming_light(light: Light, position: vec3f) -> Incoming {
-    if (light.kind == DIRECTIONAL) {
+    if (!LOCAL_LIGHTS || light.kind == DIRECTIONAL) {
         return Incoming(-light.direction, 3.0e38, light.color);
     }
     let to_light = light.position - position;

@@ -2,9 +2,8 @@
 
 //#include "trace.wgsl"
 //#include "octahedral.wgsl"
-//#include "color.wgsl"
 
-// For each slot: element id, sRGB color, octahedral normal (triangles), unused
+// For each slot: element id, linear color in three halves, octahedral normal (triangles)
 @group(1) @binding(6) var attributes: texture_2d<u32>;
 
 fn attribute_at(slot: u32) -> vec4u {
@@ -22,8 +21,8 @@ struct Surface {
     object: u32,
 }
 
-fn unpack_color(packed: u32) -> vec3f {
-    return linear_from_srgb(unpack4x8unorm(packed).rgb);
+fn attribute_color(packed: vec4u) -> vec3f {
+    return vec3f(unpack2x16float(packed.y), unpack2x16float(packed.z).x);
 }
 
 // `hit` tells primitive, instance and cap; t is solved again in the instance's own frame.
@@ -44,9 +43,9 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
         t = found.x;
         let inside = max(vec3f(1.0 - found.y - found.z, found.y, found.z), vec3f(0.0));
         let weights = inside / (inside.x + inside.y + inside.z);
-        normal = weights.x * octahedral_decode(attribute_at(slot).z)
-            + weights.y * octahedral_decode(attribute_at(slot + 1u).z)
-            + weights.z * octahedral_decode(attribute_at(slot + 2u).z);
+        normal = weights.x * octahedral_decode(attribute_at(slot).w)
+            + weights.y * octahedral_decode(attribute_at(slot + 1u).w)
+            + weights.z * octahedral_decode(attribute_at(slot + 2u).w);
         normal = normalize(normal);
         if (dot(normal, local.direction) > 0.0) {
             // a back face, or an interpolated normal that leans away at the silhouette
@@ -56,9 +55,9 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
                 normal = -normal;
             }
         }
-        color = weights.x * unpack_color(attribute_at(slot).y)
-            + weights.y * unpack_color(attribute_at(slot + 1u).y)
-            + weights.z * unpack_color(attribute_at(slot + 2u).y);
+        color = weights.x * attribute_color(attribute_at(slot))
+            + weights.y * attribute_color(attribute_at(slot + 1u))
+            + weights.z * attribute_color(attribute_at(slot + 2u));
         which = slot + select(select(2u, 1u, weights.y >= weights.z), 0u,
             weights.x >= weights.y && weights.x >= weights.z);
     } else {
@@ -83,7 +82,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
             normal = (point - a.xyz) / a.w;
         }
         normal = normalize(normal);
-        color = unpack_color(attribute_at(which).y);
+        color = attribute_color(attribute_at(which));
     }
     var out: Surface;
     out.t = t;

@@ -174,24 +174,31 @@ fn trace_geometry(
     if (walk.t_end < -1.0e38) {
         return;
     }
+    // Three loops, each of one kind of work: adapters that run lanes in lockstep pay for every
+    // branch of an iteration, taken or not.
     loop {
-        let first = cell_at(u32(walk.cell));
-        if (first != EMPTY_CELL) {
-            var index = first;
-            loop {
-                let reference = ref_at(index);
-                consider(ray, reference & ~LAST_OF_CELL, instance, t_min, kept, best);
-                index += 1u;
-                if ((reference & LAST_OF_CELL) != 0u || (mode == ANY && (*best).t < NOTHING)) {
-                    break;
-                }
+        var first = cell_at(u32(walk.cell));
+        var t_exit = min(walk.t_next.x, min(walk.t_next.y, walk.t_next.z));
+        loop {
+            if (first != EMPTY_CELL || t_exit >= walk.t_end) {
+                break;
             }
-            if (mode == ANY && (*best).t < NOTHING) {
-                return;
+            walk_on(&walk);
+            first = cell_at(u32(walk.cell));
+            t_exit = min(walk.t_next.x, min(walk.t_next.y, walk.t_next.z));
+        }
+        if (first == EMPTY_CELL) {
+            return;
+        }
+        loop {
+            let reference = ref_at(first);
+            consider(ray, reference & ~LAST_OF_CELL, instance, t_min, kept, best);
+            first += 1u;
+            if ((reference & LAST_OF_CELL) != 0u || (mode == ANY && (*best).t < NOTHING)) {
+                break;
             }
         }
-        let t_exit = min(walk.t_next.x, min(walk.t_next.y, walk.t_next.z));
-        if (t_exit >= walk.t_end || t_exit > (*best).t) {
+        if (t_exit >= walk.t_end || t_exit > (*best).t || (mode == ANY && (*best).t < NOTHING)) {
             return;
         }
         walk_on(&walk);

@@ -76,3 +76,22 @@ fn ray_distance(pixel: vec2f, depth: f32) -> f32 {
 fn pixel_width(depth: f32) -> f32 {
     return 2.0 * view.half_extent.y / view.size.y * select(depth, 1.0, view.orthographic != 0u);
 }
+
+// Picture-plane interval of a sphere along one axis, in view units at distance 1 (or scene units):
+// its tangents from the eye (Mara & McGuire 2013); everything when it reaches beside the eye.
+fn picture_interval(along: f32, ahead: f32, radius: f32) -> vec2f {
+    if (view.orthographic != 0u) {
+        return vec2f(along - radius, along + radius);
+    }
+    let square = along * along + ahead * ahead - radius * radius;
+    if (square <= 0.0 || ahead <= radius) {
+        return vec2f(-1e4, 1e4);
+    }
+    let c = sqrt(square);
+    let low = vec2f(c * along - radius * ahead, radius * along + c * ahead);
+    let high = vec2f(c * along + radius * ahead, c * ahead - radius * along);
+    return vec2f(
+        select(-1e4, low.x / low.y, low.y > 0.0),
+        select(1e4, high.x / high.y, high.y > 0.0),
+    );
+}

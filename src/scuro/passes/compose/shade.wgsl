@@ -2,6 +2,7 @@
 // darkens the directly lit part: that is the shadows' task.
 
 //#include "view.wgsl"
+//#include "tiles.wgsl"
 //#include "scene.wgsl"
 //#include "lights.wgsl"
 
@@ -20,19 +21,20 @@ override HAS_OCCLUSION: bool = false;
 override HAS_SHADOWS: bool = false;
 
 @compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let id = tile_pixel(group, local);
     let size = textureDimensions(color);
-    if (any(id.xy >= size)) {
+    if (any(id >= size)) {
         return;
     }
-    let texel = textureLoad(surface, id.xy, 0);
+    let texel = textureLoad(surface, id, 0);
     if (texel.w <= 0.0) {
-        textureStore(color, id.xy, vec4f(0.0));
+        textureStore(color, id, vec4f(0.0));
         return;
     }
-    let pixel = vec2f(id.xy) + 0.5;
-    let base = textureLoad(albedo, id.xy, 0).rgb;
-    let object = textureLoad(ids, id.xy, 0).z;
+    let pixel = vec2f(id) + 0.5;
+    let base = textureLoad(albedo, id, 0).rgb;
+    let object = textureLoad(ids, id, 0).z;
     let position = scene_position(pixel, texel.w);
     let normal = texel.xyz;
     let to_eye = -scene_ray(pixel).direction;
@@ -40,7 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 
     var open = 1.0;
     if (HAS_OCCLUSION) {
-        open = textureLoad(visibility, id.xy, 0).x;
+        open = textureLoad(visibility, id, 0).x;
     }
     var sum = base * lights.ambient * open;
     for (var i = 0u; i < lights.count; i += 1u) {
@@ -52,12 +54,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         }
         var lit = 1.0;
         if (HAS_SHADOWS && light.shadow >= 0) {
-            lit = textureLoad(shadow, id.xy, light.shadow, 0).x;
+            lit = textureLoad(shadow, id, light.shadow, 0).x;
         }
         let between = normalize(arriving.direction + to_eye);
         let shine = material.specular
             * pow(max(dot(normal, between), 0.0), material.shininess);
         sum += lit * arriving.color * (base * material.diffuse * facing + shine * smoothstep(0.0, 0.2, facing));
     }
-    textureStore(color, id.xy, vec4f(sum, 1.0));
+    textureStore(color, id, vec4f(sum, 1.0));
 }

@@ -17,9 +17,7 @@ def rasterise(frame: Frame) -> None:
     clear = True
     instance = 0
 
-    def draw(
-        first: int, stride: int, count: int, copies: int, entries: tuple[str, str]
-    ) -> None:
+    def draw(first: int, stride: int, count: int, copies: int, entries: tuple[str, str]) -> None:
         nonlocal clear
         uniform: dict[str, Any] = {
             "first": first,

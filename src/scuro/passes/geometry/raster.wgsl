@@ -57,25 +57,6 @@ fn clip_position(p: vec3f) -> vec4f {
     return vec4f(at, draw.near, -p.z);
 }
 
-// Picture-plane interval of a sphere along one axis: its tangents from the eye (Mara & McGuire
-// 2013); everything when the eye is inside or the sphere reaches beside it.
-fn tangents(along: f32, ahead: f32, radius: f32) -> vec2f {
-    if (view.orthographic != 0u) {
-        return vec2f(along - radius, along + radius);
-    }
-    let square = along * along + ahead * ahead - radius * radius;
-    if (square <= 0.0 || ahead <= radius) {
-        return vec2f(-1e4, 1e4);
-    }
-    let c = sqrt(square);
-    let low = vec2f(c * along - radius * ahead, radius * along + c * ahead);
-    let high = vec2f(c * along + radius * ahead, c * ahead - radius * along);
-    return vec2f(
-        select(-1e4, low.x / low.y, low.y > 0.0),
-        select(1e4, high.x / high.y, high.y > 0.0),
-    );
-}
-
 fn tile_position(picture: vec2f) -> vec4f {
     // the tile's own clip space from the whole picture's
     let pixel = pixel_from_picture(picture);
@@ -100,10 +81,10 @@ fn quad(@builtin(vertex_index) corner: u32, @builtin(instance_index) index: u32)
     var x_axis = vb.xy / max(scale.y, 1e-6) - va.xy / max(scale.x, 1e-6);
     x_axis = select(vec2f(1.0, 0.0), normalize(x_axis), dot(x_axis, x_axis) > 1e-20);
     let y_axis = vec2f(-x_axis.y, x_axis.x);
-    let ax = tangents(dot(va.xy, x_axis), -va.z, a.w);
-    let ay = tangents(dot(va.xy, y_axis), -va.z, a.w);
-    let bx = tangents(dot(vb.xy, x_axis), -vb.z, rb);
-    let by = tangents(dot(vb.xy, y_axis), -vb.z, rb);
+    let ax = picture_interval(dot(va.xy, x_axis), -va.z, a.w);
+    let ay = picture_interval(dot(va.xy, y_axis), -va.z, a.w);
+    let bx = picture_interval(dot(vb.xy, x_axis), -vb.z, rb);
+    let by = picture_interval(dot(vb.xy, y_axis), -vb.z, rb);
     let x = vec2f(min(ax.x, bx.x), max(ax.y, bx.y));
     let y = vec2f(min(ay.x, by.x), max(ay.y, by.y));
     let px = select(x.x, x.y, (corner & 1u) != 0u);

@@ -2,6 +2,7 @@
 // Both visibility passes end here, so their G-buffers can differ only in which primitive won.
 
 //#include "view.wgsl"
+//#include "tiles.wgsl"
 //#include "surface.wgsl"
 //#include "visible.wgsl"
 
@@ -14,23 +15,24 @@
 @group(2) @binding(3) var ids: texture_storage_2d<rgba32uint, write>;
 
 @compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let id = tile_pixel(group, local);
     let size = textureDimensions(surface);
-    if (any(id.xy >= size)) {
+    if (any(id >= size)) {
         return;
     }
-    let texel = textureLoad(visible, id.xy, 0).xy;
+    let texel = textureLoad(visible, id, 0).xy;
     if (texel.x == NO_PRIMITIVE) {
-        textureStore(surface, id.xy, vec4f(0.0));
-        textureStore(albedo, id.xy, vec4f(0.0));
-        textureStore(ids, id.xy, vec4u(NO_PRIMITIVE));
+        textureStore(surface, id, vec4f(0.0));
+        textureStore(albedo, id, vec4f(0.0));
+        textureStore(ids, id, vec4u(NO_PRIMITIVE));
         return;
     }
-    let pixel = vec2f(id.xy) + 0.5;
+    let pixel = vec2f(id) + 0.5;
     let ray = scene_ray(pixel);
     let found = surface_at(ray, unpack_visible(texel, ray));
     let depth = found.t * -view_ray(pixel).direction.z;
-    textureStore(surface, id.xy, vec4f(found.normal, depth));
-    textureStore(albedo, id.xy, vec4f(found.color, 1.0));
-    textureStore(ids, id.xy, vec4u(found.element, found.instance, found.object, texel.x));
+    textureStore(surface, id, vec4f(found.normal, depth));
+    textureStore(albedo, id, vec4f(found.color, 1.0));
+    textureStore(ids, id, vec4u(found.element, found.instance, found.object, texel.x));
 }

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from scuro.passes.frame import Frame
 from scuro.passes.geometry.raster import rasterise
+from scuro.passes.geometry.tiles import find_tiles
+
+EMPTY_IDS = (0xFFFFFFFF,) * 4
 
 RASTER_LIMIT = 3000
 """On a software adapter, more spheres than this are faster ray cast."""
@@ -15,15 +18,16 @@ RASTER_LIMIT = 3000
 
 def draw_visibility(frame: Frame) -> None:
     """Fill ``visible``, then ``surface``, ``albedo`` and ``ids``."""
+    find_tiles(frame)
     if _way(frame) == "raster":
         rasterise(frame)
     else:
         frame.target("visible", "rg32uint", attachment=True)
-        frame.compute("passes/geometry/raycast.wgsl")
-    frame.target("surface", "rgba32float")
-    frame.target("albedo", "rgba16float")
-    frame.target("ids", "rgba32uint")
-    frame.compute("passes/geometry/resolve.wgsl")
+        frame.compute_tiles("passes/geometry/raycast.wgsl")
+    frame.target("surface", "rgba32float", clear=(0, 0, 0, 0))
+    frame.target("albedo", "rgba16float", clear=(0, 0, 0, 0))
+    frame.target("ids", "rgba32uint", clear=EMPTY_IDS)
+    frame.compute_tiles("passes/geometry/resolve.wgsl")
 
 
 def _way(frame: Frame) -> str:

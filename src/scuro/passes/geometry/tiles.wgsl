@@ -1,0 +1,66 @@
+// Which tiles of the picture may show a surface: the projected bounding spheres of clusters of
+// primitives (or, in scenes of many instances, of whole instances) are splatted into a mask.
+
+//#include "view.wgsl"
+//#include "scene.wgsl"
+
+struct Splat {
+    // clusters an instance; 0 for whole instances
+    clusters: u32,
+    first_cluster: u32,
+    first_instance: u32,
+    count: u32,
+    tiles: vec2u,
+}
+
+@group(2) @binding(0) var<uniform> splat: Splat;
+@group(2) @binding(1) var<storage, read> clusters: array<vec4f>;
+@group(2) @binding(2) var<storage, read_write> tile_mask: array<atomic<u32>>;
+// number of workgroups of an indirect dispatch: tiles, 1, 1
+@group(2) @binding(3) var<storage, read_write> tile_count: array<atomic<u32>, 4>;
+@group(2) @binding(4) var<storage, read_write> tile_list: array<u32>;
+
+@compute @workgroup_size(64)
+fn mark(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = id.x + id.y * groups.x * 64u;
+    if (index >= splat.count) {
+        return;
+    }
+    let per_instance = max(splat.clusters, 1u);
+    let instance = instance_at(splat.first_instance + index / per_instance);
+    var center = instance.center;
+    var radius = traced_object(instance.object).radius;
+    if (splat.clusters > 0u) {
+        let cluster = clusters[splat.first_cluster + index % per_instance];
+        center += rotate(instance.rotation, cluster.xyz);
+        radius = cluster.w;
+    }
+    let p = (view.view_from_scene * vec4f(center, 1.0)).xyz;
+    let x = picture_interval(p.x, -p.z, radius) / view.half_extent.x;
+    let y = picture_interval(p.y, -p.z, radius) / view.half_extent.y;
+    if (view.orthographic == 0u && -p.z < -radius) {
+        return;
+    }
+    let corner = pixel_from_picture(vec2f(x.x, y.y)) - 1.0;
+    let opposite = pixel_from_picture(vec2f(x.y, y.x)) + 1.0;
+    let limit = vec2f(splat.tiles * 8u);
+    if (any(opposite < vec2f(0.0)) || any(corner >= limit)) {
+        return;
+    }
+    let low = vec2u(max(corner, vec2f(0.0))) / 8u;
+    let high = min(vec2u(min(opposite, limit)) / 8u, splat.tiles - 1u);
+    for (var ty = low.y; ty <= high.y; ty += 1u) {
+        for (var tx = low.x; tx <= high.x; tx += 1u) {
+            atomicStore(&tile_mask[tx + ty * splat.tiles.x], 1u);
+        }
+    }
+}
+
+@compute @workgroup_size(64)
+fn gather(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= splat.tiles.x * splat.tiles.y || atomicLoad(&tile_mask[id.x]) == 0u) {
+        return;
+    }
+    let place = atomicAdd(&tile_count[0], 1u);
+    tile_list[place] = (id.x % splat.tiles.x) | ((id.x / splat.tiles.x) << 16u);
+}
