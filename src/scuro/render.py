@@ -10,6 +10,7 @@ from scuro.passes.compose.lighting import lighting_of, lights_uniform
 from scuro.passes.compose.shade import encode, shade
 from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
+from scuro.passes.occlusion.occlusion import draw_occlusion
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.lights import DIRECTIONAL
@@ -68,6 +69,7 @@ class Renderer:
             light.kind != DIRECTIONAL for light in lighting.lights
         )
         draw_visibility(frame)
+        draw_occlusion(frame)
         shade(frame)
         encode(frame)
         return frame

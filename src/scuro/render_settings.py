@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scuro.passes.compose.lighting import LightingSettings
+from scuro.passes.occlusion.occlusion import OcclusionSettings
 from scuro.settings import SettingsGroup, setting
 
 
@@ -18,3 +19,4 @@ class Settings(SettingsGroup):
     )
     seed: int = setting(0, "seed of all random sequences", low=0, high=2**31 - 1)
     lighting: LightingSettings = LightingSettings()
+    occlusion: OcclusionSettings = OcclusionSettings()

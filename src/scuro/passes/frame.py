@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +26,7 @@ class TargetPool:
         self.frame: Frame | None = None
         """The last frame that drew into these textures: what they hold is its."""
         self._buffers: dict[str, tuple[tuple, Any]] = {}
+        self._tables: dict[str, tuple[Any, Any]] = {}
 
     def get(self, name: str, size: Sequence[int], format: str, attachment: bool = False) -> Any:
         """The texture of that name, made anew if size or format changed."""
@@ -45,6 +46,13 @@ class TargetPool:
                 key,
                 self._gpu.buffer(size, label=name, indirect=indirect),
             )
+        return held[1]
+
+    def table(self, name: str, key: Any, make: Callable[[], Any]) -> Any:
+        """A texture that ``make`` fills, kept under ``name`` as long as ``key`` stays the same."""
+        held = self._tables.get(name)
+        if held is None or held[0] != key:
+            self._tables[name] = held = (key, make())
         return held[1]
 
     @property
@@ -106,13 +114,14 @@ class Frame:
         shader: str,
         resources: Mapping[str, Any] | None = None,
         *,
+        entry: str = "main",
         constants: Mapping[str, float] | None = None,
         label: str = "",
     ) -> None:
         """Record a compute pass over the tiles that may show a surface (wgsl/tiles.wgsl)."""
         self.recorder.compute(
             shader,
-            "main",
+            entry,
             (),
             self.resources | (resources or {}),
             self.constants | (constants or {}),

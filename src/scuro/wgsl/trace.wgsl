@@ -291,3 +291,10 @@ fn trace_nearest(ray: Ray, t_min: f32, t_max: f32) -> Hit {
 fn trace_any(ray: Ray, t_min: f32, t_max: f32) -> bool {
     return trace(ray, t_min, t_max, ANY).t < NOTHING;
 }
+
+// How far above a surface point secondary rays start: a few units in the last place of the
+// coordinates that made it, so that no constant in world units is tuned to one scene.
+fn surface_offset(position: vec3f, depth: f32) -> f32 {
+    let largest = max(max(abs(position.x), abs(position.y)), max(abs(position.z), depth));
+    return 3e-6 * largest + 1e-4 * scene.primitive_radius;
+}

@@ -1,0 +1,48 @@
+"""Ambient occlusion: one technique by name fills ``visibility``, cosine-weighted, 1 = open."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+
+from scuro.passes.frame import Frame
+from scuro.settings import SettingsGroup, setting
+
+TECHNIQUES = {
+    "ray": "scuro.passes.occlusion.ray:draw",
+}
+"""Technique by name -> function of a frame that fills the ``visibility`` target."""
+
+
+class OcclusionSettings(SettingsGroup):
+    """Ambient occlusion: how much of the surroundings each point sees."""
+
+    technique: str = setting(
+        "none", "ambient occlusion technique", choices=("none", *TECHNIQUES), main=True
+    )
+    samples: int | None = setting(
+        None, "samples a pixel, where the technique samples; its own default otherwise", low=1,
+        high=4096,
+    )  # fmt: skip
+    distance: float | None = setting(
+        None, "only occluders nearer than this count; unlimited otherwise", low=0, unit="Å"
+    )
+    resolution: str = setting("full", "resolution of the samples", choices=("full", "half"))
+    filter: str = setting(
+        "auto", "smoothing of the result; auto filters few samples",
+        choices=("auto", "none", "bilateral", "atrous"),
+    )  # fmt: skip
+    strength: float = setting(1.0, "exponent on visibility: above 1 darkens creases", low=0, high=8)
+
+
+def draw_occlusion(frame: Frame) -> None:
+    """Fill ``visibility`` by the technique of the settings."""
+    technique = frame.settings.occlusion.technique
+    if technique != "none":
+        _function(TECHNIQUES[technique])(frame)
+
+
+def _function(place: str) -> Callable[[Frame], None]:
+    module, name = place.split(":")
+    found: Callable[[Frame], None] = getattr(import_module(module), name)
+    return found
