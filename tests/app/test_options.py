@@ -4,11 +4,12 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from scuro.app.document import parse_show
+from scuro.app.document import parse_light, parse_show
 from scuro.app.options import SettingsCommand, take_changes, with_settings
 from scuro.app.render import command as render
 from scuro.errors import SettingsError
 from scuro.export.scene_file import Show
+from scuro.scene.lights import Light
 from scuro.settings import SettingsGroup, setting
 from scuro.style.options import Representation
 
@@ -122,7 +123,7 @@ def test_show_lines():
     ("text", "words"),
     [
         ("cartoon,colr=red", "did you mean 'color'"),
-        ("color=red", "begins with a style"),
+        ("color=red", "must begin with the style"),
         ("cartoon,opacity=2", "at most 1"),
         ("cartoon,opacity=much", "needs a number"),
         ("cartoon,bond_orders=perhaps", "on or off"),
@@ -131,3 +132,27 @@ def test_show_lines():
 def test_wrong_show_lines_are_said(text, words):
     with pytest.raises(SettingsError, match=words):
         parse_show(text)
+
+
+def test_light_lines():
+    assert parse_light("point,position=0,20.5,-5,intensity=2,shadow=off") == Light(
+        "point", position=(0, 20.5, -5), intensity=2, shadow=False
+    )
+    assert parse_light("spot, direction=0,-1,0, relative-to=world").relative_to == "world"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("laser", "unknown kind 'laser'"),
+        ("spot,direction=0,0,0", "has no direction"),
+        ("point,position=1,2", "needs 3 values"),
+        ("point,intensity=-1", "at least 0"),
+        ("point,intensity=nan", "finite"),
+        ("point,attenuation=0,0,0", "attenuation"),
+        ("point,brightness=2", "unknown key 'brightness'"),
+    ],
+)
+def test_wrong_light_lines_are_said(text, words):
+    with pytest.raises(SettingsError, match=words):
+        parse_light(text)

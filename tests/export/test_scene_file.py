@@ -7,6 +7,7 @@ from scuro.export.scene_file import Input, SceneFile, Show, read_scene_file, wri
 from scuro.export.toml import Lines
 from scuro.load import LoadOptions
 from scuro.render_settings import Settings
+from scuro.scene.lights import Light
 from scuro.scene.view import ViewSettings
 from scuro.settings import walk
 from scuro.style.options import Representation
@@ -19,6 +20,7 @@ def document(**changes) -> SceneFile:
             Show(style="cartoon", color="chain", select='name "C\\A"'),
             Show(style="licorice", sizes=Representation(licorice_radius=0.31)),
         ),
+        light=(Light("spot", position=(1, 2, 3), reach=9.0, name="lamp"), Light("point")),
         load=LoadOptions(waters=False, model="all"),
         view=ViewSettings(azimuth=12.5, position=(1e-5, -2.0, 3.0), orthographic=True),
         settings=Settings(size=(640, 360), background="transparent"),
@@ -101,6 +103,7 @@ def test_the_document_becomes_its_scene():
     scene = made.scene()
     assert [s.style for s in scene.molecules[0].shown] == ["cartoon", "licorice"]
     assert not (scene.molecules[0].molecule.residue_name == "HOH").any(), "water was not dropped"
+    assert [light.name for light in scene.lighting.lights] == ["lamp", ""]
     with pytest.raises(SettingsError, match="matches no atoms"):
         document(input=(Input(path="sample:1hpv"),), show=(Show(select="chain Z"),)).scene()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,9 +14,12 @@ from scuro.errors import SettingsError
 from scuro.export.scene_file import Input, SceneFile, Show, is_scene_file, read_scene_file
 from scuro.load import LoadOptions
 from scuro.render_settings import Settings
+from scuro.scene.lights import Light
 from scuro.scene.view import ViewSettings
 from scuro.settings import Parameter, checked, parameters, unknown
 from scuro.style.options import Representation
+
+_LIGHT_KEYS = ", ".join(p.name for p in parameters(Light) if p.name != "kind")
 
 
 def with_document(command: click.Command) -> click.Command:
@@ -30,6 +33,13 @@ def with_document(command: click.Command) -> click.Command:
             help="Show some atoms in a style; repeat it for several at once, e.g. "
             "--show cartoon,color=chain --show licorice,select=organic. Also takes opacity=… and "
             "each size listed under Sizes, e.g. tube_radius=0.5.",
+        ),
+        click.option(
+            "--light",
+            multiple=True,
+            metavar="KIND[,key=value]…",
+            help="Light with these lights instead of the preset's: directional, point or spot, "
+            f"e.g. --light point,position=0,20,50,intensity=2. Keys: {_LIGHT_KEYS}.",
         ),
         click.option("--format", metavar="ENDING", help="The inputs' format, if names do not say."),
         click.option("--assembly", metavar="ID", help="Show this biological assembly."),
@@ -50,13 +60,14 @@ def take_document(values: dict[str, Any]) -> SceneFile:
     A scene file (or a picture of ours) among the inputs is the document; options change it.
     """
     inputs, format = values.pop("inputs"), values.pop("format")
-    assembly = values.pop("assembly")
+    assembly, lights = values.pop("assembly"), values.pop("light")
     base = _base(inputs, format)
     if assembly is not None:
         base = replace(base, input=tuple(i.replace(assembly=assembly) for i in base.input))
     return replace(
         base,
         show=_shown(values, base.show),
+        light=tuple(map(parse_light, lights)) or base.light,
         view=base.view.replace(**take_changes(ViewSettings, values)),
         load=base.load.replace(**take_changes(LoadOptions, values)),
         settings=base.settings.replace(**take_changes(Settings, values)),
@@ -92,29 +103,56 @@ def _shown(values: dict[str, Any], before: tuple[Show, ...]) -> tuple[Show, ...]
 
 
 def parse_show(text: str) -> Show:
-    """Read ``STYLE[,key=value…]``. A value may hold commas: only ``,key=`` begins the next one.
+    """Read ``STYLE[,key=value…]``.
 
     Raises:
         SettingsError: A key or value is not known.
     """
-    known = {p.name: p for p in (*parameters(Show), *parameters(Representation))}
-    style, *rest = re.split(r",\s*(?=[A-Za-z_-]+\s*=)", text)
-    own: dict[str, Any] = {"style": style.strip() or "auto"}
-    sizes: dict[str, Any] = {}
-    if "=" in style:
-        raise SettingsError(f"--show '{text}' begins with a style, e.g. cartoon,{text}")
+    own = parameters(Show)
+    values = _pairs("show", text, "style", (*own, *parameters(Representation)))
+    made = Show(**{p.name: values.pop(p.name) for p in own if p.name in values})
+    return made.replace(sizes=Representation(**values))
+
+
+def parse_light(text: str) -> Light:
+    """Read ``KIND[,key=value…]``; vectors are three numbers with commas.
+
+    Raises:
+        SettingsError: A key or value is not known.
+    """
+    return Light(**_pairs("light", text, "kind", parameters(Light)))
+
+
+def _pairs(flag: str, text: str, first: str, known: Iterable[Parameter]) -> dict[str, Any]:
+    """Values by key; the first has none. A value may hold commas: only ``,key=`` begins the next.
+
+    Args:
+        flag: The option, for errors.
+        text: What was given to it.
+        first: Key of the first value.
+        known: The keys there are.
+    """
+    by_name = {p.name: p for p in known}
+    head, *rest = re.split(r",\s*(?=[A-Za-z_-]+\s*=)", text)
+    if "=" in head:
+        raise SettingsError(f"--{flag} '{text}' must begin with the {first}, before any key=value")
+    found = {first: checked(by_name[first], head.strip())}
     for part in rest:
         key, _, value = part.partition("=")
         key = key.strip().replace("-", "_")
-        if key not in known:
-            raise SettingsError(f"--show '{text}': {unknown('key', key, known)}")
-        target = own if key in {p.name for p in parameters(Show)} else sizes
-        target[key] = _parsed(known[key], value.strip())
-    return Show(**own, sizes=Representation(**sizes))
+        if key not in by_name:
+            raise SettingsError(f"--{flag} '{text}': {unknown('key', key, by_name)}")
+        try:
+            found[key] = _parsed(by_name[key], value.strip())
+        except SettingsError as error:
+            raise SettingsError(f"--{flag} '{text}': {error}") from None
+    return found
 
 
 def _parsed(p: Parameter, text: str) -> Any:
     if p.type is bool:
         words = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
         return checked(p, words.get(text.lower(), text))
+    if p.many:
+        return checked(p, tuple(parse_element(p, v) for v in text.split(",")))
     return checked(p, parse_element(p, text))

@@ -19,6 +19,7 @@ from scuro.export.files import replacing
 from scuro.export.png import is_png, read_settings
 from scuro.load import LoadOptions
 from scuro.render_settings import Settings
+from scuro.scene.lights import Light
 from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings
 from scuro.settings import SettingsGroup, checked, parameters, setting, subgroups, unknown
@@ -27,6 +28,7 @@ from scuro.style.options import Representation
 VERSION = 1
 """Of the format; raised when an older scuro could not read what a newer one writes."""
 _VERSION_KEY = "scuro"
+_ARRAYS = ("input", "show", "light")
 _AUTO = "auto"
 """Stands for ``None``, which TOML does not have."""
 
@@ -57,6 +59,8 @@ class SceneFile:
 
     input: tuple[Input, ...] = ()
     show: tuple[Show, ...] = ()
+    light: tuple[Light, ...] = ()
+    """Instead of the lights of the lighting preset, whose ambient light stays."""
     load: LoadOptions = field(default_factory=LoadOptions)
     view: ViewSettings = field(default_factory=ViewSettings)
     settings: Settings = field(default_factory=Settings)
@@ -69,6 +73,7 @@ class SceneFile:
             SettingsError: A selection, colour or style is not known, or selects nothing.
         """
         from scuro.load import load
+        from scuro.passes.compose.lighting import PRESETS
         from scuro.scene.geometry import Material
 
         scene = Scene()
@@ -86,6 +91,9 @@ class SceneFile:
                 material=replace(Material(), opacity=show.opacity),
                 **_changed(show.sizes),
             )
+        if self.light:
+            preset = PRESETS[self.settings.lighting.preset]
+            scene.lighting = replace(preset, lights=self.light)
         return scene
 
     def as_dict(self, folder: Path | None = None) -> dict[str, Any]:
@@ -97,6 +105,7 @@ class SceneFile:
             _VERSION_KEY: VERSION,
             "input": inputs,
             "show": [show.as_dict() for show in self.show],
+            "light": [light.as_dict() for light in self.light],
             "load": self.load.as_dict(),
             "view": self.view.as_dict(),
             "settings": self.settings.as_dict(),
@@ -158,6 +167,7 @@ def write_scene_file(path: str | PathLike[str], document: SceneFile) -> None:
     parts = [head]
     parts += [toml.dump("input", line, array=True) for line in inputs]
     parts += [toml.dump("show", line, array=True) for line in document.show]
+    parts += [toml.dump("light", line, array=True) for line in document.light]
     parts += [toml.dump(name, getattr(document, name)) for name in ("load", "view", "settings")]
     with replacing(path) as file:
         file.write("\n".join(parts).encode())
@@ -184,6 +194,7 @@ def _document(values: Mapping[str, Any], folder: Path) -> SceneFile:
     kinds: dict[str, type[SettingsGroup]] = {
         "input": Input,
         "show": Show,
+        "light": Light,
         "load": LoadOptions,
         "view": ViewSettings,
         "settings": Settings,
@@ -195,7 +206,7 @@ def _document(values: Mapping[str, Any], folder: Path) -> SceneFile:
             continue
         if key not in kinds:
             raise _Fault((key,), unknown("key", key, kinds))
-        if key in ("input", "show"):
+        if key in _ARRAYS:
             if not isinstance(value, list):
                 raise _Fault((key,), f"{key} is an array of tables: write [[{key}]]")
             made[key] = tuple(_group(kinds[key], v, (key, i)) for i, v in enumerate(value))

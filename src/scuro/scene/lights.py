@@ -2,62 +2,57 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from scuro.errors import SettingsError
+from scuro.settings import SettingsGroup, setting
 
 DIRECTIONAL, POINT, SPOT = "directional", "point", "spot"
 KINDS = (DIRECTIONAL, POINT, SPOT)
 
 
-@dataclass(frozen=True)
-class Light:
-    """One light. Colours are linear RGB; distances in world units; angles in degrees."""
+class Light(SettingsGroup):
+    """One light."""
 
-    kind: str = DIRECTIONAL
-    direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
-    """The way the light travels (directional and spot)."""
-    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Point and spot; in view space (eye at the origin, looking along -z) for camera lights."""
-    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    intensity: float = 1.0
-    attenuation: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    """Constant, linear and quadratic: light falls off as 1/(c + l d + q d²)."""
-    reach: float = math.inf
-    """No light beyond this distance (point and spot)."""
-    cone: float = 30.0
-    """Half-angle of a spot's full light."""
-    fade: float = 10.0
-    """Angle over which a spot goes from full to none."""
-    relative_to: str = "camera"
-    """``camera`` (moves with it) or ``world``."""
-    shadow: bool = True
-    """Whether it casts shadows when shadows are on."""
-    size: float = 0.0
-    """For soft shadows: angular radius in degrees (directional), radius in world units (others)."""
-    name: str = ""
+    kind: str = setting(DIRECTIONAL, "what it is", choices=KINDS)
+    direction: tuple[float, float, float] = setting(
+        (0.0, 0.0, -1.0), "the way the light travels (directional and spot)"
+    )
+    position: tuple[float, float, float] = setting(
+        (0.0, 0.0, 0.0),
+        "place of a point or spot light: in the world, or as the camera sees it, "
+        "eye at the origin, looking along -z",
+    )
+    color: tuple[float, float, float] = setting((1.0, 1.0, 1.0), "linear RGB", low=0)
+    intensity: float = setting(1.0, "strength", low=0)
+    attenuation: tuple[float, float, float] = setting(
+        (1.0, 0.0, 0.0),
+        "constant, linear and quadratic: light falls off as 1/(c + l d + q d²)",
+        low=0,
+    )
+    reach: float | None = setting(None, "no light beyond this distance (point and spot)", low=0)
+    cone: float = setting(30.0, "half-angle of a spot's full light", low=0, high=180, unit="deg")
+    fade: float = setting(
+        10.0, "angle over which a spot goes from full to none", low=0, high=180, unit="deg"
+    )
+    relative_to: str = setting(
+        "camera", "what it is placed by and moves with", choices=("camera", "world")
+    )
+    shadow: bool = setting(True, "casts shadows when shadows are on")
+    size: float = setting(
+        0.0,
+        "for soft shadows: angular radius in degrees (directional), radius (others)",
+        low=0,
+    )
+    name: str = setting("", "name, for people")
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise SettingsError(f"unknown light '{self.kind}': known: {', '.join(KINDS)}")
-        if self.relative_to not in ("camera", "world"):
-            raise SettingsError(
-                f"a light is relative to 'camera' or 'world', not '{self.relative_to}'"
-            )
-        numbers = (
-            *self.direction, *self.position, *self.color, self.intensity, *self.attenuation,
-            self.cone, self.fade, self.size,
-        )  # fmt: skip
-        if not all(map(math.isfinite, numbers)) or math.isnan(self.reach):
-            raise SettingsError(f"light '{self.name or self.kind}' has numbers that are not finite")
+        super().__post_init__()
+        who = f"light '{self.name or self.kind}'"
         if self.kind != POINT and not any(self.direction):
-            raise SettingsError(f"light '{self.name or self.kind}' has no direction")
-        if min(self.attenuation) < 0 or not any(self.attenuation):
-            raise SettingsError(
-                f"light '{self.name or self.kind}' needs attenuation factors that are not negative"
-                " and not all zero"
-            )
+            raise SettingsError(f"{who} has no direction")
+        if not any(self.attenuation):
+            raise SettingsError(f"{who} needs an attenuation factor that is not zero")
 
 
 @dataclass(frozen=True)

@@ -102,7 +102,7 @@ def lights_uniform(
                 "position": position - center,
                 "kind": KINDS.index(light.kind),
                 "direction": direction / length if length else (0, 0, -1),
-                "reach": min(light.reach, 3e38),
+                "reach": 3e38 if light.reach is None else light.reach,
                 "color": np.asarray(light.color) * light.intensity,
                 "shadow": layer if casts else -1,
                 "attenuation": light.attenuation,
