@@ -404,8 +404,15 @@ class Recorder:
                 run.draw(vertices, instances)
             run.end()
 
-    def copy_buffer_to_texture(self, buffer: Any, texture: Any, *, mip: int = 0) -> None:
-        """Copy a buffer whose rows are padded to 256 bytes into a whole mip level."""
+    def copy_buffer_to_texture(
+        self, buffer: Any, texture: Any, *, mip: int = 0, first: int = 0, planes: int | None = None
+    ) -> None:
+        """Copy a buffer whose rows are padded to 256 bytes into a mip level, or a slab of it.
+
+        Args:
+            first: First plane (or layer) that is written.
+            planes: How many; all of the level by default.
+        """
         dtype, channels = _TEXEL[texture.format]
         width, height, depth = (max(1, s >> mip) for s in texture.size)
         if texture.dimension != "3d":
@@ -413,8 +420,8 @@ class Recorder:
         row = -(-width * channels * np.dtype(dtype).itemsize // 256) * 256
         self._encoder.copy_buffer_to_texture(
             {"buffer": buffer, "offset": 0, "bytes_per_row": row, "rows_per_image": height},
-            {"texture": texture, "mip_level": mip, "origin": (0, 0, 0)},
-            (width, height, depth),
+            {"texture": texture, "mip_level": mip, "origin": (0, 0, first)},
+            (width, height, depth if planes is None else planes),
         )
 
     def clear_texture(self, texture: Any, value: tuple[float, float, float, float]) -> None:

@@ -12,7 +12,8 @@ LABEL_COLORS = "tab20"
 DENSE = 0.6
 """Opacity of one voxel well inside what is shown."""
 
-HU_AIR, HU_WATER = -1000.0, 0.0
+WARM = ((0.0, 0.55, 0.27, 0.18), (0.35, 0.85, 0.58, 0.40), (0.7, 0.96, 0.86, 0.68), (1.0, 1.0, 0.98, 0.93))
+"""Shares of the shown range and their sRGB colours: clay to ivory."""
 
 
 def automatic(volume: Volume) -> TransferFunction:
@@ -92,7 +93,7 @@ def _hounsfield() -> TransferFunction:
 def _signed(volume: Volume) -> TransferFunction:
     extent = float(np.quantile(np.abs(volume.values[::2, ::2, ::2]), 0.995)) or 1.0
     points = [(-extent, 0.5), (-extent / 3, 0.0), (extent / 3, 0.0), (extent, 0.5)]
-    return from_colormap("coolwarm", (-extent, extent), points)
+    return from_colormap("matplotlib:coolwarm", (-extent, extent), points)
 
 
 def _density(volume: Volume, mode: float, spread: float) -> TransferFunction:
@@ -106,8 +107,7 @@ def _density(volume: Volume, mode: float, spread: float) -> TransferFunction:
     top = float(np.quantile(inside, 0.98)) if inside.size else high
     top = max(top, threshold + 0.05 * (high - low))
     ramp = 0.15 * (top - threshold)
-    return from_colormap(
-        "copper",
-        (threshold - ramp, top),
-        [(threshold - ramp, 0.0), (threshold + ramp, 0.35 * DENSE), (top, DENSE)],
-    )
+    span = top - (threshold - ramp)
+    colors = tuple((threshold - ramp + place * span, *rgb) for place, *rgb in WARM)
+    opacities = ((threshold - ramp, 0.0), (threshold + ramp, 0.35 * DENSE), (top, DENSE))
+    return TransferFunction(colors, opacities, name="density")  # type: ignore[arg-type]

@@ -1,0 +1,167 @@
+// Emission-absorption ray casting, front to back. The including shader defines
+//   fn light_at(point: Point) -> vec3f
+// the light that reaches a sample, which multiplies its color.
+
+//#include "view.wgsl"
+//#include "volume.wgsl"
+
+struct March {
+    // rays end where they let less light through than this
+    cutoff: f32,
+    // share of a step by which starts are shifted at random
+    jitter: f32,
+    // value of the isosurface, normalised; its color and opacity come from the tables
+    iso: f32,
+    // width and height of the picture
+    width: u32,
+    height: u32,
+}
+
+@group(2) @binding(0) var<uniform> march: March;
+// scene normal and depth (-z in view space; 0 where empty) of the surfaces that stop rays
+@group(2) @binding(1) var surface: texture_2d<f32>;
+
+override ISOSURFACE: bool = false;
+override SURFACES: bool = false;
+
+// A sample of a ray, as lighting sees it.
+struct Point {
+    // scene and texture coordinates
+    position: vec3f,
+    uvw: vec3f,
+    // of the ray
+    direction: vec3f,
+    t: f32,
+    // share of the picture that it contributes
+    weight: f32,
+    // of the cut face that it lies on, else 0
+    cut_normal: vec3f,
+    pixel: vec2u,
+}
+
+struct Result {
+    // premultiplied linear color, opacity
+    color: vec4f,
+    // along the ray, of half the final opacity; 0 where nothing was met
+    t: f32,
+}
+
+// Blue enough: Jimenez' interleaved gradient noise, shifted each frame by the golden ratio.
+fn start_shift(pixel: vec2u) -> f32 {
+    let at = vec2f(pixel) + view.origin;
+    let noise = fract(52.9829189 * fract(dot(at, vec2f(0.06711056, 0.00583715))));
+    return fract(noise + 0.61803399 * f32(view.frame)) * march.jitter;
+}
+
+// Farthest a pixel's ray may go before a surface stops it.
+fn surface_limit(pixel: vec2u) -> f32 {
+    if (!SURFACES) {
+        return NOTHING;
+    }
+    let depth = textureLoad(surface, pixel, 0).w;
+    return select(ray_distance(vec2f(pixel) + 0.5, depth), NOTHING, depth <= 0.0);
+}
+
+fn integrate(pixel: vec2u) -> Result {
+    let ray = scene_ray(vec2f(pixel) + 0.5);
+    let span = crossing(ray);
+    let end = min(span.far, surface_limit(pixel));
+    if (span.near >= end) {
+        return Result(vec4f(0.0), 0.0);
+    }
+    if (ISOSURFACE) {
+        return find_isosurface(ray, span, end, pixel);
+    }
+    let origin = texture_position(ray.origin);
+    let direction = texture_direction(ray.direction);
+    let inverse = 1.0 / select(direction * volume.size, vec3f(1e-20), abs(direction) < vec3f(1e-20));
+    let start = span.near + volume.step * start_shift(pixel);
+    var color = vec3f(0.0);
+    var through = 1.0;
+    var t = start;
+    var seen = 0.0;
+    var look = true;
+    while (t < end) {
+        let uvw = origin + t * direction;
+        if (look) {
+            let leap = empty_length(uvw * volume.size, inverse);
+            if (leap > 0.0) {
+                // stay on the ray's own lattice of samples: skipping must not change the picture
+                t = start + volume.step * max(floor((t + leap - start) / volume.step + 0.999),
+                    floor((t - start) / volume.step + 1.001));
+                continue;
+            }
+        }
+        let index = table_index(value_at(uvw));
+        let opacity = step_opacity[index];
+        look = opacity <= 0.0;
+        if (!look) {
+            let weight = through * opacity;
+            var cut_normal = vec3f(0.0);
+            if (span.cut < volume.cut_count && t < start + volume.step) {
+                cut_normal = -volume.cuts[span.cut].xyz;
+            }
+            let point = Point(ray.origin + t * ray.direction, uvw, ray.direction, t, weight,
+                cut_normal, pixel);
+            color += weight * colors[index].rgb * light_at(point);
+            through -= weight;
+            if (seen == 0.0 && through < 0.5) {
+                seen = t;
+            }
+            if (through < march.cutoff) {
+                break;
+            }
+        }
+        t += volume.step;
+    }
+    let opacity = 1.0 - through;
+    // what the cut-off left is spread over what was seen, so that opaque things are opaque
+    let full = select(1.0, 1.0 / max(opacity, 1e-6), through < march.cutoff);
+    return Result(vec4f(color, opacity) * full, seen);
+}
+
+fn find_isosurface(ray: Ray, span: Crossing, end: f32, pixel: vec2u) -> Result {
+    let origin = texture_position(ray.origin);
+    let direction = texture_direction(ray.direction);
+    let inverse = 1.0 / select(direction * volume.size, vec3f(1e-20), abs(direction) < vec3f(1e-20));
+    var t = span.near;
+    var last = t;
+    var inside = false;
+    while (t < end) {
+        let uvw = origin + t * direction;
+        let leap = empty_length(uvw * volume.size, inverse);
+        if (leap > 0.0) {
+            t += leap + 0.01 * volume.step;
+            last = t;
+            continue;
+        }
+        inside = value_at(uvw) >= march.iso;
+        if (inside) {
+            break;
+        }
+        last = t;
+        t += volume.step;
+    }
+    if (!inside) {
+        return Result(vec4f(0.0), 0.0);
+    }
+    let on_cut = t <= span.near && span.cut < volume.cut_count;
+    if (!on_cut) {
+        var low = last;
+        for (var i = 0; i < 6; i++) {
+            let middle = 0.5 * (low + t);
+            if (value_at(origin + middle * direction) >= march.iso) {
+                t = middle;
+            } else {
+                low = middle;
+            }
+        }
+    }
+    var cut_normal = vec3f(0.0);
+    if (on_cut) {
+        cut_normal = -volume.cuts[span.cut].xyz;
+    }
+    let point = Point(ray.origin + t * ray.direction, origin + t * direction, ray.direction, t, 1.0,
+        cut_normal, pixel);
+    return Result(vec4f(colors[table_index(march.iso)].rgb * light_at(point), 1.0), t);
+}

@@ -1,0 +1,31 @@
+// The volume's picture; occlusion and shadows, if any, come precomputed from a texture.
+
+//#include "lit.wgsl"
+
+// visibility, and the shadows of three lights
+@group(2) @binding(5) var illuminated: texture_3d<f32>; // filterable
+// premultiplied linear color, opacity
+@group(2) @binding(6) var volume_color: texture_storage_2d<rgba16float, write>;
+// depth (-z in view space) at which half of the opacity is reached, 0 where there is none
+@group(2) @binding(7) var volume_depth: texture_storage_2d<r32float, write>;
+
+override ILLUMINATED: bool = false;
+
+fn light_at(point: Point) -> vec3f {
+    var light = vec4f(1.0);
+    if (ILLUMINATED) {
+        light = textureSampleLevel(illuminated, trilinear, point.uvw, 0.0);
+    }
+    return lit(point, light.x, light.yzw);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= march.width || id.y >= march.height) {
+        return;
+    }
+    let result = integrate(id.xy);
+    textureStore(volume_color, id.xy, result.color);
+    let forward = -view_ray(vec2f(id.xy) + 0.5).direction.z;
+    textureStore(volume_depth, id.xy, vec4f(result.t * forward));
+}

@@ -1,0 +1,71 @@
+"""How volumes are shown, lit and shadowed."""
+
+from __future__ import annotations
+
+from scuro.errors import SettingsError
+from scuro.settings import SettingsGroup, setting
+
+
+def _split(value: int) -> None:
+    if value not in (1, 3, 7):
+        raise SettingsError(f"cones split in 1, 3 or 7, not {value}")
+
+
+class VolumeOcclusionSettings(SettingsGroup):
+    """Directional ambient occlusion of volumes by Gaussian cone tracing (Campagnolo 2021)."""
+
+    on: bool = setting(False, "darken samples that the viewer sees through matter", main=True)
+    angle: float = setting(20.0, "half-angle of the cones", low=0.1, high=60, unit="deg")
+    length: float = setting(0.5, "length of the cones, in volume diagonals", low=0.01, high=2)
+    cones: int = setting(3, "cones after splitting: 1, 3 or 7", check=_split)
+    gap: float = setting(3.0, "first sample's distance, in sigmas", low=0.1, high=50)
+    attenuation: float = setting(0.35, "global factor on what is met", low=0, high=2)
+
+
+class VolumeShadowSettings(SettingsGroup):
+    """Shadows in volumes by Gaussian cone tracing toward the lights (Campagnolo 2021)."""
+
+    on: bool = setting(False, "shadows from the lights that cast them", main=True)
+    angle: float = setting(0.5, "half-angle of the cones", low=0.01, high=30, unit="deg")
+    length: float = setting(0.75, "length of the cones, in volume diagonals", low=0.01, high=2)
+    cones: int = setting(1, "cones after splitting: 1, 3 or 7", check=_split)
+    gap: float = setting(3.0, "first sample's distance, in sigmas", low=0.1, high=50)
+    attenuation: float = setting(0.35, "global factor on what is met", low=0, high=2)
+
+
+class VolumeSettings(SettingsGroup):
+    """Scalar volumes: transfer function, ray casting, and where light is worked out."""
+
+    transfer: str = setting(
+        "auto",
+        "colour and opacity: 'auto', a colormap's name, or a .toml, .tf1d, .json, .xml file "
+        "(FILE:PRESET for one of several)",
+        main=True,
+    )
+    opacity: str = setting("", "opacity points that replace the transfer function's: '40:0 90:0.8'")
+    window: float | None = setting(None, "width of a window of values, with --level", low=0)
+    level: float | None = setting(None, "middle of the window")
+    iso: float | None = setting(None, "show the surface where values cross this, instead")
+    step: float = setting(0.5, "distance between samples", low=0.05, high=8, unit="voxels")
+    jitter: float = setting(1.0, "random shift of rays' starts, in steps", low=0, high=1)
+    cutoff: float = setting(0.01, "rays end at this transparency", low=0, high=0.5)
+    shading: str = setting("none", "surface shading by the gradient", choices=("none", "phong"))
+    specular: float = setting(0.25, "strength of highlights", low=0, high=2)
+    shininess: float = setting(40.0, "exponent of highlights", low=1, high=500)
+    light: str = setting(
+        "object",
+        "where occlusion and shadows are worked out: precomputed over the volume, or in the image "
+        "at every sample",
+        choices=("object", "image"),
+    )
+    light_resolution: float = setting(
+        1.0, "resolution of precomputed light, relative to the volume", low=0.05, high=1
+    )
+    light_all: bool = setting(False, "precompute light also where no ray of the picture reads it")
+    sigma: float = setting(1.0, "deviation of the first Gaussian", low=0.3, high=8, unit="voxels")
+    coefficients: int = setting(1, "voxels along each side of a coefficient", low=1, high=8)
+    constant_exact: bool = setting(
+        False, "weigh cone sections so that uniform matter attenuates exactly (not in the thesis)"
+    )
+    occlusion: VolumeOcclusionSettings = VolumeOcclusionSettings()
+    shadow: VolumeShadowSettings = VolumeShadowSettings()
