@@ -226,6 +226,13 @@ class Gpu:
             mag_filter="linear", min_filter="linear", mipmap_filter="linear"
         )
 
+    @cached_property
+    def level_sampler(self) -> Any:
+        """Linear filtering within a mip level, none between levels; clamped to the edge."""
+        return self.device.create_sampler(
+            mag_filter="linear", min_filter="linear", mipmap_filter="nearest"
+        )
+
     def read_texture(self, texture: Any, *, mip: int = 0) -> NDArray:
         """A texture's content as ([depth,] height, width[, channels])."""
         dtype, channels = _TEXEL[texture.format]

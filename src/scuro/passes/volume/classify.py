@@ -44,6 +44,8 @@ class Classified:
         self.colors = self.gpu.buffer(table, label="transfer function")
         corrected = -np.expm1(-self.extinction * step)
         self.step_opacity = self.gpu.buffer(corrected.astype(np.float32), label="opacities")
+        voxel_opacity = -np.expm1(-self.extinction)
+        self.voxel_opacity = self.gpu.buffer(voxel_opacity.astype(np.float32), label="opacities")
         self.iso = None if iso is None else (iso - grid.low) / (grid.high - grid.low)
 
     @property
@@ -94,7 +96,7 @@ class Classified:
         """What volume.wgsl wants bound, but for the uniform."""
         return {
             "samples": self.grid.texture,
-            "trilinear": self.gpu.linear_sampler,
+            "trilinear": self.gpu.level_sampler,
             "colors": self.colors,
             "step_opacity": self.step_opacity,
             "distances": self.distances,

@@ -31,10 +31,15 @@ class ConeSections:
     """(n, 4): distance to the next sample, pyramid level, A_tau, weight h_I of equation A-1."""
     counts: tuple[int, int, int]
     """How many samples are taken with one, with three and with seven cones."""
-    gap: float
-    """Distance of the first sample from the apex."""
+    starts: tuple[float, float, float]
+    """Distances from the apex of the first sample of each kind."""
     tangent: float
     """Of the whole cone's half-angle."""
+
+    @property
+    def parts(self) -> int:
+        """1, 4 or 11: the whole cone, its three parts, and their seven."""
+        return 11 if self.counts[2] else 4 if self.counts[1] else 1
 
 
 def cone_sections(
@@ -87,8 +92,14 @@ def cone_sections(
     table = np.stack(
         [half * (deviations + following), np.log2(deviations / sigma), amplitude, weight], 1
     )
+    places = gap * sigma + np.concatenate([[0.0], np.cumsum(table[:, 0])])
+    first3 = counts[1]
+    first7 = counts[1] + counts[3]
     return ConeSections(
-        table.astype(np.float32), (counts[1], counts[3], counts[7]), gap * sigma, tangent
+        table.astype(np.float32),
+        (counts[1], counts[3], counts[7]),
+        (float(places[0]), float(places[first3]), float(places[first7])),
+        tangent,
     )
 
 

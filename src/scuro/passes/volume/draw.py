@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from scuro.gpu import Gpu, Recorder
 from scuro.passes.volume.classify import Classified
-from scuro.passes.volume.cone_sections import MAX_SECTIONS, ConeSections, cone_sections
+from scuro.passes.volume.cone_sections import ConeSections, cone_sections
 from scuro.passes.volume.grid import VolumeGrid
 from scuro.passes.volume.pyramid import Pyramid
 from scuro.passes.volume.settings import VolumeSettings
@@ -23,6 +23,13 @@ BRICK = 4
 
 MARK_SCALE = 2
 """Rays that look for the bricks to light are cast for one pixel in so many along each side."""
+
+
+LISTED_A_ROW = 65536
+"""Threads along x of the pass that lists bricks."""
+
+LIGHT_GROUPS = 1024
+"""Workgroups that share the bricks to light."""
 
 
 @dataclass
@@ -91,25 +98,25 @@ class VolumePicture:
         )
 
     def cones(self, settings: VolumeSettings, pyramid: Pyramid) -> dict[str, Any]:
-        """What cone.wgsl and illumination.wgsl want bound besides volume, view and lights."""
-        found: dict[str, Any] = {"pyramid": pyramid.texture}
+        """What cone.wgsl wants bound besides the volume."""
+        kinds = []
         for kind in ("occlusion", "shadow"):
             sections = self.sections(settings, pyramid, kind)
-            found[f"{kind}_cone"] = {
-                "sections": np.pad(
-                    sections.table, ((0, MAX_SECTIONS - len(sections.table)), (0, 0))
-                ),
-                "counts": (*sections.counts, 0),
-                "gap": sections.gap,
-                "tangent": sections.tangent,
-                "attenuation": getattr(settings, kind).attenuation,
-                "sigma": pyramid.sigma,
-            }
-        found["reach"] = {
-            "occlusion": settings.occlusion.length * self.grid.diagonal,
-            "shadow": settings.shadow.length * self.grid.diagonal,
-        }
-        return found
+            chosen = getattr(settings, kind)
+            kinds.append(
+                {
+                    "counts": sections.counts,
+                    "sigma": pyramid.sigma,
+                    "starts": sections.starts,
+                    "tangent": sections.tangent,
+                    "attenuation": chosen.attenuation,
+                    "reach": chosen.length * self.grid.diagonal,
+                    "parts": sections.parts,
+                    "pad": 0,
+                    "sections": sections.table,
+                }
+            )
+        return {"pyramid": pyramid.texture, "cones": {"kinds": kinds}}
 
     def illuminated(
         self, record: Recorder, resources: dict[str, Any], settings: VolumeSettings,
@@ -125,6 +132,9 @@ class VolumePicture:
         bricks = tuple(-(-n // BRICK) for n in texels)
         marks = self._keep(
             "marks", bricks, lambda: self.gpu.buffer(4 * int(np.prod(bricks)), label="light marks")
+        )
+        wanted = self._keep(
+            "wanted", bricks, lambda: self.gpu.buffer(4 + 4 * int(np.prod(bricks)), label="bricks")
         )
         fields = {"size": texels, "width": bricks[0], "height": bricks[1]}
         if not settings.light_all:
@@ -142,18 +152,23 @@ class VolumePicture:
                 {"ISOSURFACE": constants["ISOSURFACE"]},
                 label="volume marks",
             )
+        resources = {
+            **resources,
+            "bricks": {**fields, "depth": bricks[2], "all_bricks": int(settings.light_all)},
+            "marks": marks,
+            "wanted": wanted,
+            "illuminated": texture,
+        }
+        chosen = {"OCCLUSION": settings.occlusion.on, "SHADOWS": settings.shadow.on}
+        record.clear_buffer(wanted)
+        shader = "passes/volume/illuminate.wgsl"
+        rows = -(-int(np.prod(bricks)) // LISTED_A_ROW)
         record.compute(
-            "passes/volume/illuminate.wgsl",
-            "main",
-            texels,
-            {
-                **resources,
-                "bricks": {**fields, "all_texels": int(settings.light_all)},
-                "marks": marks,
-                "illuminated": texture,
-            },
-            {"OCCLUSION": settings.occlusion.on, "SHADOWS": settings.shadow.on},
-            label="volume light",
+            shader, "list_bricks", (LISTED_A_ROW, rows), resources, chosen, label="volume marks"
+        )
+        groups = min(LIGHT_GROUPS, int(np.prod(bricks)))
+        record.compute(
+            shader, "main", (BRICK * groups, BRICK, BRICK), resources, chosen, label="volume light"
         )
         return texture
 

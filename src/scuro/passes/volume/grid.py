@@ -122,5 +122,5 @@ class VolumeGrid:
             "cuts": np.pad(cuts, ((0, 32 - len(cuts)), (0, 0))),
             "cut_count": len(cuts),
             "table_end": table_end,
-            "finest": float(self.volume.spacing.min()) / self.voxel,
+            "edges": self.volume.spacing * np.array(self.size) / self.voxel,
         }

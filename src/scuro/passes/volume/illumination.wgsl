@@ -7,14 +7,6 @@
 override OCCLUSION: bool = false;
 override SHADOWS: bool = false;
 
-// Length of the occlusion and the shadow cones in scene units.
-struct Reach {
-    occlusion: f32,
-    shadow: f32,
-}
-
-@group(2) @binding(4) var<uniform> reach: Reach;
-
 fn to_viewer(p: vec3f) -> vec3f {
     if (view.orthographic != 0u) {
         return view.scene_from_view[2].xyz;
@@ -26,15 +18,15 @@ fn to_viewer(p: vec3f) -> vec3f {
 fn illumination(p: vec3f) -> vec4f {
     var out = vec4f(1.0);
     if (OCCLUSION) {
-        out.x = cone_transparency(false, p, to_viewer(p), reach.occlusion);
+        out.x = cone_transparency(OCCLUSION_CONE, p, to_viewer(p), NOTHING);
     }
     if (SHADOWS) {
         for (var i = 0u; i < lights.count; i++) {
             let layer = lights.list[i].shadow;
             if (layer >= 0 && layer < 3) {
                 let arriving = incoming_light(lights.list[i], p);
-                out[1 + layer] = cone_transparency(true, p, arriving.direction,
-                    min(arriving.distance, reach.shadow));
+                out[1 + layer] = cone_transparency(SHADOW_CONE, p, arriving.direction,
+                    arriving.distance);
             }
         }
     }

@@ -78,41 +78,46 @@ fn integrate(pixel: vec2u) -> Result {
     let start = span.near + volume.step * start_shift(pixel);
     var color = vec3f(0.0);
     var through = 1.0;
-    var t = start;
     var seen = 0.0;
-    var look = true;
-    while (t < end) {
-        let uvw = origin + t * direction;
-        if (look) {
-            let leap = empty_length(uvw * volume.size, inverse);
-            if (leap > 0.0) {
-                // stay on the ray's own lattice of samples: skipping must not change the picture
-                t = start + volume.step * max(floor((t + leap - start) / volume.step + 0.999),
-                    floor((t - start) / volume.step + 1.001));
-                continue;
-            }
-        }
-        let index = table_index(value_at(uvw));
-        let opacity = step_opacity[index];
-        look = opacity <= 0.0;
-        if (!look) {
-            let weight = through * opacity;
-            var cut_normal = vec3f(0.0);
-            if (span.cut < volume.cut_count && t < start + volume.step) {
-                cut_normal = -volume.cuts[span.cut].xyz;
-            }
-            let point = Point(ray.origin + t * ray.direction, uvw, ray.direction, t, weight,
-                cut_normal, pixel);
-            color += weight * colors[index].rgb * light_at(point);
-            through -= weight;
-            if (seen == 0.0 && through < 0.5) {
-                seen = t;
-            }
-            if (through < march.cutoff) {
+    var k = 0.0;
+    loop {
+        // to the next sample that is not clear: an inner loop, so that groups of lanes with
+        // nothing to shade do not run through the shading
+        var t: f32;
+        var uvw: vec3f;
+        var index: u32;
+        var opacity = 0.0;
+        loop {
+            t = start + k * volume.step;
+            if (t >= end || opacity > 0.0) {
                 break;
             }
+            uvw = origin + t * direction;
+            index = table_index(value_at(uvw));
+            opacity = step_opacity[index];
+            if (opacity <= 0.0) {
+                // leaps stay on the ray's own lattice of samples: they must not change the picture
+                let leap = empty_length(uvw * volume.size, inverse);
+                k = max(k + 1.0, ceil((t + leap - start) / volume.step - 0.001));
+            }
         }
-        t += volume.step;
+        if (opacity <= 0.0) {
+            break;
+        }
+        let weight = through * opacity;
+        var cut_normal = vec3f(0.0);
+        if (span.cut < volume.cut_count && k < 1.0) {
+            cut_normal = -volume.cuts[span.cut].xyz;
+        }
+        let point = Point(ray.origin + t * ray.direction, uvw, ray.direction, t, weight,
+            cut_normal, pixel);
+        color += weight * colors[index].rgb * light_at(point);
+        through -= weight;
+        seen = select(seen, t, seen == 0.0 && through < 0.5);
+        if (through < march.cutoff) {
+            break;
+        }
+        k += 1.0;
     }
     let opacity = 1.0 - through;
     // what the cut-off left is spread over what was seen, so that opaque things are opaque

@@ -17,8 +17,8 @@ SLAB_BYTES = 64 << 20
 REACH = 3.0
 """Kernels are cut at so many standard deviations (7 × 7 × 7 taps for one voxel's)."""
 
-WEIGHTS = 256
-"""Entries of the weight table, sixteenths of a voxel apart (pyramid.wgsl has the same)."""
+LEAST_SIGMA = 0.25
+"""Narrower Gaussians (thick slices) are taken so wide: they touch no neighbour anyway."""
 
 
 class Pyramid:
@@ -59,8 +59,12 @@ class Pyramid:
             **classified.resources(),
             "volume": volume_uniform,
             "solids": solids or classified.grid.texture,
+            "voxel_opacity": classified.voxel_opacity,
         }
-        self._has_solids = solids is not None
+        self._constants = {
+            "HAS_CUTS": volume_uniform["cut_count"] > 0,
+            "HAS_SOLIDS": solids is not None,
+        }
         self._build()
 
     @property
@@ -117,31 +121,30 @@ class Pyramid:
                 "source_size": source,
                 "size": out,
                 "factor": self.factor if k == 0 else 1,
-                "source_mip": k - 1,
+                "source_mip": max(k - 1, 0),
                 "source_first": low,
                 "source_planes": high - low,
                 "first": first,
                 "planes": count,
-                "solids": int(self._has_solids and k == 0),
             }
             rows = high - low
             record = self.gpu.recorder()
             steps = (
-                ("gather", 0, (source[0], source[1], rows), (source[0], source[1], rows)),
+                ("gather_level" if k else "gather_volume", 0, (source[0], source[1], rows), (source[0], source[1], rows)),
                 ("blur_x", 0, (source[0], source[1], rows), (out[0], source[1], rows)),
                 ("blur_yz", 1, (out[0], source[1], rows), (out[0], out[1], rows)),
                 ("blur_yz", 2, (out[0], out[1], rows), (out[0], out[1], count)),
             )
             for entry, axis, before, after in steps:
-                sigma = float(sigmas[axis])
+                sigma = max(float(sigmas[axis]), LEAST_SIGMA)
                 level = {
                     **fields,
                     "input": before,
                     "output": after,
                     "axis": axis,
                     "last": int(axis == 2),
-                    "reach": min(max(REACH * sigma, 0.5), (WEIGHTS - 1) / 16 - 1),
-                    "weights": _weights(sigma),
+                    "sigma": sigma,
+                    "reach": max(REACH * sigma, 0.5),
                 }
                 threads = (-(-after[0] // 2), after[1], after[2])
                 record.compute(
@@ -155,6 +158,7 @@ class Pyramid:
                         "from_": a,
                         "to": b,
                     },
+                    self._constants,
                     label="pyramid",
                 )
                 a, b = b, a
@@ -164,11 +168,6 @@ class Pyramid:
     def _view(self, mip: int) -> Any:
         """All levels up to one: a level may not be read while it is written."""
         return self.texture.create_view(base_mip_level=0, mip_level_count=mip + 1)
-
-
-def _weights(sigma: float) -> NDArray[np.float32]:
-    distance = np.arange(WEIGHTS) / 16
-    return np.exp(-(distance**2) / (2 * sigma**2)).reshape(-1, 4).astype(np.float32)
 
 
 def _words(size: tuple[int, ...]) -> int:

@@ -22,8 +22,8 @@ struct Volume {
     cut_count: u32,
     // last index of the tables
     table_end: f32,
-    // edge of the smallest of the volume's voxels over the mean edge
-    finest: f32,
+    // lengths of the whole volume's edges in mean voxel edges
+    edges: vec3f,
 }
 
 // edge of a block in voxels
