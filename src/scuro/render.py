@@ -11,6 +11,7 @@ from scuro.passes.compose.shade import encode, shade
 from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion
+from scuro.passes.volume.frame import Volumes
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.lights import DIRECTIONAL
@@ -31,6 +32,7 @@ class Renderer:
         self.targets = TargetPool(self.gpu)
         self._bodies: tuple[Any, ...] = ()
         self._accelerator: Accelerator | None = None
+        self._volumes = Volumes()
 
     def accelerator(self, scene: Scene) -> Accelerator:
         """The scene's acceleration structure, rebuilt only if a body was replaced."""
@@ -71,6 +73,7 @@ class Renderer:
         draw_visibility(frame)
         draw_occlusion(frame)
         shade(frame)
+        self._volumes.draw(frame, scene)
         encode(frame)
         return frame
 

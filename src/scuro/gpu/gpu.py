@@ -181,7 +181,8 @@ class Gpu:
         if indirect:
             flags |= wgpu.BufferUsage.INDIRECT
         size = data if isinstance(data, int) else data.nbytes
-        padded = max(16, -(-size // 16) * 16)
+        # an empty array must still hold one element of whatever struct the shader declares
+        padded = max(256, -(-size // 16) * 16)
         if padded > self.max_binding:
             raise GpuError(
                 f"{label or 'a buffer'} needs {padded / 2**20:.0f} MiB, but {self.info.name} binds "

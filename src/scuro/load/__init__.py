@@ -22,6 +22,7 @@ _STRUCTURE = "scuro.load.structure"
 _ECLIPSE = "scuro.load.reservoir_eclipse"
 _GRDECL = "scuro.load.reservoir_grdecl"
 _ROFF = "scuro.load.reservoir_roff"
+_VOLUME = "scuro.load.volume_files"
 
 READERS: dict[str, tuple[str, str]] = {
     ".pdb": (_STRUCTURE, "read_pdb"),
@@ -50,6 +51,26 @@ READERS: dict[str, tuple[str, str]] = {
     ".csv": ("scuro.load.mesoscale_table", "read_table"),
     ".tsv": ("scuro.load.mesoscale_table", "read_table"),
     ".meso": ("scuro.load.mesoscale_table", "read_table"),
+    ".nii": (_VOLUME, "read_itk"),
+    ".nrrd": (_VOLUME, "read_itk"),
+    ".nhdr": (_VOLUME, "read_itk"),
+    ".mha": (_VOLUME, "read_itk"),
+    ".mhd": (_VOLUME, "read_itk"),
+    ".dcm": (_VOLUME, "read_itk"),
+    ".vti": (_VOLUME, "read_vtk"),
+    ".vtk": (_VOLUME, "read_vtk"),
+    ".slc": (_VOLUME, "read_vtk"),
+    ".mrc": (_VOLUME, "read_mrc"),
+    ".map": (_VOLUME, "read_mrc"),
+    ".ccp4": (_VOLUME, "read_mrc"),
+    ".cube": (_VOLUME, "read_cube"),
+    ".cub": (_VOLUME, "read_cube"),
+    ".dx": (_VOLUME, "read_dx"),
+    ".tif": (_VOLUME, "read_tiff"),
+    ".tiff": (_VOLUME, "read_tiff"),
+    ".npy": (_VOLUME, "read_numpy"),
+    ".npz": (_VOLUME, "read_numpy"),
+    ".raw": (_VOLUME, "read_raw"),
 }
 """Suffix (lower case, without ``.gz``) to the module and function that reads it."""
 
@@ -91,6 +112,8 @@ def find_reader(source: Source, format: str | None = None) -> tuple[str, str]:
         if suffix not in READERS:
             raise SettingsError(unknown("format", format, [s[1:] for s in READERS]))
         return READERS[suffix]
+    if source.path is not None and source.path.is_dir():
+        return _VOLUME, "read_folder"
     from scuro.load.sniff import sniff
 
     named = READERS.get(source.suffix)

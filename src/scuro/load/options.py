@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scuro.errors import SettingsError
+from scuro.load.volume_options import VoxelOptions
 from scuro.settings import SettingsGroup, setting
 
 
@@ -44,3 +45,4 @@ class LoadOptions(SettingsGroup):
     strict: bool = setting(
         False, "fail where a cell-scale model's structure is missing, instead of drawing spheres"
     )
+    voxels: VoxelOptions = VoxelOptions()

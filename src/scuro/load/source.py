@@ -105,8 +105,6 @@ def open_source(name: str | Path) -> Source:
         return Source(text, _sample(text))
     path = Path(text).expanduser()
     try:
-        if path.is_dir():
-            raise LoadError(text, "is a folder; name a file in it")
         if path.exists():
             return Source(text, path)
     except OSError as error:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.errors import LoadError, SettingsError
-from scuro.load.volume_blocks import MAX_VOXELS, reduce_blocks, reduction
+from scuro.errors import LoadError
+from scuro.load.volume_blocks import reduce_blocks, reduction
+from scuro.load.volume_options import VoxelOptions, check_spacing
 from scuro.scene.volume import Volume
 
 GPU_TYPES = ("uint8", "int16", "uint16", "float32")
@@ -22,55 +21,12 @@ MOST_LABELS = 64
 """Integer volumes with at most so many distinct values may be label maps."""
 
 
-@dataclass(frozen=True)
-class VolumeOptions:
-    """What the user may say about a volume that its file does not, or that has to be chosen."""
-
-    size: tuple[int, int, int] | None = None
-    """Voxels along x, y, z (raw files)."""
-    dtype: str | None = None
-    """Type of the samples of a raw file, e.g. ``u8``, ``int16``, ``>f4`` (big-endian)."""
-    header: int = 0
-    """Bytes to skip at the start of a raw file."""
-    spacing: tuple[float, float, float] | None = None
-    """Edge lengths of a voxel, instead of the file's."""
-    time: int = 0
-    """Which time step, counted from 0."""
-    channel: int = 0
-    """Which channel or component, counted from 0."""
-    array: str | None = None
-    """Which array of a file that holds several (npz, zarr, vti)."""
-    series: str | None = None
-    """Which DICOM series of a folder (its UID, or the end of it)."""
-    max_voxels: int = MAX_VOXELS
-    """Larger volumes are averaged in blocks until they fit."""
-
-    def __post_init__(self) -> None:
-        if self.spacing is not None:
-            check_spacing(self.spacing, SettingsError)
-        if self.size is not None and (len(self.size) != 3 or min(self.size) < 1):
-            raise SettingsError(f"a volume's size is three positive numbers, not {self.size}")
-        if min(self.time, self.channel, self.header) < 0:
-            raise SettingsError("time, channel and header count from 0")
-        if self.max_voxels < 1:
-            raise SettingsError("max_voxels must be at least 1")
-
-
-def check_spacing(spacing: Sequence[float], error: Callable[[str], Exception]) -> None:
-    """Raise ``error`` unless all spacings are positive and finite."""
-    if len(spacing) != 3 or not all(math.isfinite(s) and s > 0 for s in spacing):
-        shown = ", ".join(f"{s:g}" for s in spacing)
-        raise error(
-            f"the voxel spacing ({shown}) must be three positive numbers; give it with --spacing"
-        )
-
-
 def finished(
     path: str | Path,
     values: NDArray,
     world_from_index: NDArray | None = None,
     *,
-    options: VolumeOptions,
+    options: VoxelOptions,
     notes: Sequence[str] = (),
     **fields: Any,
 ) -> Volume:
@@ -98,9 +54,9 @@ def finished(
     if abs(np.linalg.det(matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0))) < 1e-6:
         raise LoadError(path, "the volume's axes lie in one plane; its orientation is damaged")
 
-    factors = reduction(values.shape, options.max_voxels)
+    factors = reduction(values.shape, options.limit)
     if factors != (1, 1, 1):
-        told.append(_reduction_note(values.shape, factors, options.max_voxels))
+        told.append(_reduction_note(values.shape, factors, options.limit))
         values = reduce_blocks(values, factors)
         fz, fy, fx = factors
         # a block's centre lies (factor - 1) / 2 voxels from its first voxel's
@@ -180,11 +136,6 @@ def choose(path: str | Path, values: Any, axis: int, index: int, what: str) -> A
     if index >= count:
         raise LoadError(path, f"there is no {what} {index}: the file has {count}, counted from 0")
     return values[(slice(None),) * axis + (index,)]
-
-
-def with_note(volume: Volume, note: str) -> Volume:
-    """The same volume with one more note."""
-    return replace(volume, notes=(*volume.notes, note))
 
 
 def affine(spacing: Sequence[float], origin: Sequence[float] = (0, 0, 0)) -> NDArray[np.float64]:

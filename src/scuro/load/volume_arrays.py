@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import LoadError, MissingExtraError
-from scuro.load.volume import VolumeOptions, affine, choose, finished
+from scuro.load.volume import affine, choose, finished
+from scuro.load.volume_options import VoxelOptions
 from scuro.scene.volume import Volume
 
 RAW_NAME = re.compile(
@@ -44,9 +45,9 @@ def sample_type(text: str) -> np.dtype:
     return found
 
 
-def read_raw(path: Path, options: VolumeOptions) -> Volume:
+def read_raw(path: Path, options: VoxelOptions) -> Volume:
     """Read raw samples, x fastest; size and type from the options, else from the file's name."""
-    size, dtype, notes = options.size, options.dtype, []
+    size, dtype, notes = options.size, options.type, []
     named = RAW_NAME.search(path.name)
     if size is None and named:
         size = (int(named[1]), int(named[2]), int(named[3]))
@@ -56,7 +57,8 @@ def read_raw(path: Path, options: VolumeOptions) -> Volume:
         notes.append(f"type {dtype} taken from the file's name")
     if size is None or dtype is None:
         raise LoadError(
-            path, "a raw file says nothing of itself: give --size X Y Z and --type (u8, i16, …)"
+            path,
+            "a raw file says nothing of itself: give --voxels-size 256x256x133 and --voxels-type u8",
         )
     try:
         kind = sample_type(dtype)
@@ -87,7 +89,7 @@ def read_raw(path: Path, options: VolumeOptions) -> Volume:
     return finished(path, values, options=options, notes=notes)
 
 
-def read_numpy(path: Path, options: VolumeOptions) -> Volume:
+def read_numpy(path: Path, options: VoxelOptions) -> Volume:
     """Read ``.npy`` or one array of ``.npz``, indexed (z, y, x); a fourth axis in front is time."""
     notes: list[str] = []
     try:
@@ -116,7 +118,7 @@ def _npz_array(path: Path, file: Any, wanted: str | None) -> str:
     raise LoadError(path, "holds no array with three axes")
 
 
-def read_tiff(path: Path, options: VolumeOptions) -> Volume:
+def read_tiff(path: Path, options: VoxelOptions) -> Volume:
     """Read a multi-page TIFF (plain, ImageJ or OME); time and channel chosen by index."""
     try:
         import tifffile

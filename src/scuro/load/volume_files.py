@@ -1,4 +1,4 @@
-"""Which reader reads a volume file: the table of suffixes, and the one way in."""
+"""Readers of volume files, as the table of :mod:`scuro.load` names them."""
 
 from __future__ import annotations
 
@@ -6,82 +6,105 @@ import gzip
 import shutil
 import tempfile
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
 from scuro.errors import LoadError
-from scuro.load.volume import VolumeOptions
+from scuro.load.options import LoadOptions
+from scuro.load.source import Source
+from scuro.load.volume_options import VoxelOptions
 from scuro.load.volume_zarr import MARKS
 from scuro.scene.volume import Volume
 
-READERS = {
-    ".nii": "volume_itk:read_image",
-    ".nrrd": "volume_itk:read_image",
-    ".nhdr": "volume_itk:read_image",
-    ".mha": "volume_itk:read_image",
-    ".mhd": "volume_itk:read_image",
-    ".dcm": "volume_itk:read_image",
-    ".vti": "volume_vtk:read_vtk",
-    ".vtk": "volume_vtk:read_vtk",
-    ".slc": "volume_vtk:read_vtk",
-    ".mrc": "volume_maps:read_mrc",
-    ".map": "volume_maps:read_mrc",
-    ".ccp4": "volume_maps:read_mrc",
-    ".cube": "volume_maps:read_cube",
-    ".cub": "volume_maps:read_cube",
-    ".dx": "volume_maps:read_dx",
-    ".tif": "volume_arrays:read_tiff",
-    ".tiff": "volume_arrays:read_tiff",
-    ".npy": "volume_arrays:read_numpy",
-    ".npz": "volume_arrays:read_numpy",
-    ".raw": "volume_arrays:read_raw",
-    ".zarr": "volume_zarr:read_zarr",
-}
-"""File suffix, before any ``.gz``, to the module and function that reads it."""
 
-UNPACKS_ITSELF = {".nii", ".mrc", ".map", ".ccp4", ".cube", ".cub", ".dx", ".raw"}
-"""Formats whose reader takes a gzipped file as it is."""
+def read_itk(source: Source, options: LoadOptions) -> Volume:
+    """NIfTI, NRRD, MetaImage, single DICOM files."""
+    unpacks = source.suffix == ".nii"
+    return _read(source, options, "volume_itk:read_image", unpacks=unpacks)
 
 
-def read_volume(path: str | Path, options: VolumeOptions | None = None) -> Volume:
-    """Read a scalar volume from a file, a DICOM folder or a Zarr directory.
+def read_vtk(source: Source, options: LoadOptions) -> Volume:
+    """VTK images: .vti, legacy .vtk, .slc."""
+    return _read(source, options, "volume_vtk:read_vtk")
 
-    Raises:
-        LoadError: missing, damaged, of unknown format, or something has to be chosen.
-        MissingExtraError: the format's library is not installed.
+
+def read_mrc(source: Source, options: LoadOptions) -> Volume:
+    """MRC and CCP4 maps."""
+    return _read(source, options, "volume_maps:read_mrc", unpacks=True)
+
+
+def read_cube(source: Source, options: LoadOptions) -> Volume:
+    """Gaussian cube files."""
+    return _read(source, options, "volume_maps:read_cube", unpacks=True)
+
+
+def read_dx(source: Source, options: LoadOptions) -> Volume:
+    """OpenDX grids."""
+    return _read(source, options, "volume_maps:read_dx", unpacks=True)
+
+
+def read_tiff(source: Source, options: LoadOptions) -> Volume:
+    """Multi-page TIFF."""
+    return _read(source, options, "volume_arrays:read_tiff")
+
+
+def read_numpy(source: Source, options: LoadOptions) -> Volume:
+    """NumPy arrays."""
+    return _read(source, options, "volume_arrays:read_numpy")
+
+
+def read_raw(source: Source, options: LoadOptions) -> Volume:
+    """Raw samples."""
+    return _read(source, options, "volume_arrays:read_raw", unpacks=True)
+
+
+def read_folder(source: Source, options: LoadOptions) -> Volume:
+    """A Zarr directory, else a folder of DICOM files."""
+    assert source.path is not None
+    zarr = any((source.path / mark).exists() for mark in MARKS)
+    place = "volume_zarr:read_zarr" if zarr else "volume_itk:read_dicom_folder"
+    return _read(source, options, place, unpacks=True)
+
+
+def _read(source: Source, options: LoadOptions, place: str, *, unpacks: bool = False) -> Volume:
+    """Call a reader with a plain file; name the source as the user did.
+
+    Args:
+        source: What to read.
+        options: All options; readers get those of volumes.
+        place: Module and function.
+        unpacks: Whether the reader takes a gzipped file as it is.
     """
-    path = Path(path)
-    options = options or VolumeOptions()
-    if not path.exists():
-        raise LoadError(path, "there is no such file")
-    if path.is_dir():
-        zarr = any((path / mark).exists() for mark in MARKS)
-        return _reader("volume_zarr:read_zarr" if zarr else "volume_itk:read_dicom_folder")(
-            path, options
-        )
-    suffixes = [s.lower() for s in path.suffixes]
-    packed = suffixes[-1:] == [".gz"]
-    suffix = suffixes[-2 if packed else -1] if len(suffixes) > packed else ""
-    if suffix not in READERS:
-        known = " ".join(sorted(READERS))
-        raise LoadError(path, f"'{suffix or path.name}' is no volume format; known: {known}")
-    reader = _reader(READERS[suffix])
-    if not packed or suffix in UNPACKS_ITSELF:
-        return reader(path, options)
-    with tempfile.TemporaryDirectory() as folder:
-        plain = Path(folder) / path.stem
-        try:
-            with gzip.open(path) as source, plain.open("wb") as target:
-                shutil.copyfileobj(source, target)
-        except (OSError, EOFError, zlib.error) as error:
-            raise LoadError(path, f"cannot be unpacked: {error}") from None
-        return reader(plain, options)
-
-
-def _reader(place: str) -> Callable[[Path, VolumeOptions], Volume]:
     module, function = place.split(":")
-    reader: Callable[[Path, VolumeOptions], Volume] = getattr(
+    read: Callable[[Path, VoxelOptions], Volume] = getattr(
         import_module(f"scuro.load.{module}"), function
     )
-    return reader
+    with _plain_file(source, unpacks) as path:
+        try:
+            volume = read(path, options.voxels)
+        except LoadError as error:
+            raise LoadError(source.name, error.why, error.line) from None
+    return replace(volume, name=source.stem, source=source.name)
+
+
+@contextmanager
+def _plain_file(source: Source, unpacks: bool) -> Iterator[Path]:
+    """The source's path, or that of an unpacked copy that lasts as long as the reading."""
+    path = source.path
+    if path is not None and (unpacks or path.suffix != ".gz"):
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / (path.stem if path is not None else "stdin")
+        try:
+            if path is None:
+                copy.write_bytes(source.data)
+            else:
+                with gzip.open(path) as packed, copy.open("wb") as target:
+                    shutil.copyfileobj(packed, target)
+        except (OSError, EOFError, zlib.error) as error:
+            raise LoadError(source.name, f"cannot be unpacked: {error}") from None
+        yield copy

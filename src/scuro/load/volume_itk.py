@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import LoadError, MissingExtraError
-from scuro.load.volume import VolumeOptions, choose, finished
+from scuro.load.volume import choose, finished
+from scuro.load.volume_options import VoxelOptions
 from scuro.scene.volume import Volume
 
 RAS_FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 """ITK's world is left-posterior-superior; scuro shows patients right-anterior-superior."""
 
 
-def read_image(path: Path, options: VolumeOptions) -> Volume:
+def read_image(path: Path, options: VoxelOptions) -> Volume:
     """Read NIfTI, NRRD/NHDR, MetaImage or a single DICOM file, with orientation and time step."""
     sitk = _sitk()
     reader = sitk.ImageFileReader()
@@ -34,12 +35,14 @@ def read_image(path: Path, options: VolumeOptions) -> Volume:
     return _volume(path, reader, options)
 
 
-def read_dicom_folder(path: Path, options: VolumeOptions) -> Volume:
+def read_dicom_folder(path: Path, options: VoxelOptions) -> Volume:
     """Read the DICOM series of a folder; several series are listed, and one has to be chosen."""
     sitk = _sitk()
     series = list(sitk.ImageSeriesReader.GetGDCMSeriesIDs(str(path)))
     if not series:
-        raise LoadError(path, "the folder holds neither a DICOM series nor an OME-Zarr image")
+        raise LoadError(
+            path, "is a folder, and holds neither a DICOM series nor a Zarr image; name a file"
+        )
     if options.series is not None:
         chosen = [uid for uid in series if uid.endswith(options.series)]
         if len(chosen) != 1:
@@ -48,14 +51,14 @@ def read_dicom_folder(path: Path, options: VolumeOptions) -> Volume:
             )
         series = chosen
     if len(series) > 1:
-        raise LoadError(path, f"choose a series with --series; {_listed(sitk, path, series)}")
+        raise LoadError(path, f"choose one with --voxels-series; {_listed(sitk, path, series)}")
     names = sitk.ImageSeriesReader.GetGDCMSeriesFileNames(str(path), series[0])
     reader = sitk.ImageSeriesReader()
     reader.SetFileNames(names)
     return _volume(path, reader, options)
 
 
-def _volume(path: Path, reader: Any, options: VolumeOptions) -> Volume:
+def _volume(path: Path, reader: Any, options: VoxelOptions) -> Volume:
     sitk = _sitk()
     try:
         image = reader.Execute()

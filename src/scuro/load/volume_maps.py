@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import LoadError
-from scuro.load.volume import VolumeOptions, affine, finished
+from scuro.load.volume import affine, finished
+from scuro.load.volume_options import VoxelOptions
 from scuro.scene.volume import Volume
 
 ANGSTROM_FROM_BOHR = 0.529177210903
 
 
-def read_mrc(path: Path, options: VolumeOptions) -> Volume:
+def read_mrc(path: Path, options: VoxelOptions) -> Volume:
     """Read an MRC or CCP4 map: axes permuted to x, y, z, cell angles, start and origin honoured."""
     header, data = _mrc(path)
     if data.ndim == 4:
@@ -89,7 +90,7 @@ def _cell_matrix(
     return matrix
 
 
-def read_cube(path: Path, options: VolumeOptions) -> Volume:
+def read_cube(path: Path, options: VoxelOptions) -> Volume:
     """Read a Gaussian cube file (bohr, or ångström where voxel counts are negative)."""
     opener = gzip.open if path.suffix == ".gz" else open
     try:
@@ -129,7 +130,7 @@ def read_cube(path: Path, options: VolumeOptions) -> Volume:
     return finished(path, values, matrix, options=options, unit="Å", value_name=title, labels=False)
 
 
-def read_dx(path: Path, options: VolumeOptions) -> Volume:
+def read_dx(path: Path, options: VoxelOptions) -> Volume:
     """Read an OpenDX scalar field on a regular grid, as APBS and others write it (z fastest).
 
     Own parser: the field's library reads only files that end in attributes and a field object,

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import LoadError, MissingExtraError
-from scuro.load.volume import VolumeOptions, affine, choose, finished
+from scuro.load.volume import affine, choose, finished
+from scuro.load.volume_options import VoxelOptions
 from scuro.scene.volume import Volume
 
 
-def read_vtk(path: Path, options: VolumeOptions) -> Volume:
+def read_vtk(path: Path, options: VoxelOptions) -> Volume:
     """Read a regular VTK image: point data, or cell data whose values sit in the cells' middles."""
     reader, messages = _reader(path)
     reader.SetFileName(str(path))
@@ -79,6 +80,8 @@ def _reader(path: Path) -> tuple[Any, list[str]]:
     except ImportError:
         raise MissingExtraError("VTK volumes", "volume") from None
     kinds = {".vti": vtkXMLImageDataReader, ".vtk": vtkDataSetReader, ".slc": vtkSLCReader}
+    if path.suffix.lower() not in kinds:
+        raise LoadError(path, f"VTK files are told by their ending: {', '.join(kinds)}")
     reader = kinds[path.suffix.lower()]()
     messages: list[str] = []
 

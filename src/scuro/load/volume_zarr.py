@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from scuro.errors import LoadError, MissingExtraError
-from scuro.load.volume import VolumeOptions, affine, finished
+from scuro.load.volume import affine, finished
 from scuro.load.volume_blocks import MAX_SIDE
+from scuro.load.volume_options import VoxelOptions
 from scuro.scene.volume import Volume
 
 MARKS = ("zarr.json", ".zarray", ".zgroup")
@@ -19,7 +20,7 @@ MARKS = ("zarr.json", ".zarray", ".zgroup")
 SPACE = "zyx"
 
 
-def read_zarr(path: Path, options: VolumeOptions) -> Volume:
+def read_zarr(path: Path, options: VoxelOptions) -> Volume:
     """Read a Zarr array, or the finest level of an OME-Zarr image that fits the voxel limit."""
     try:
         import zarr
@@ -48,7 +49,7 @@ def read_zarr(path: Path, options: VolumeOptions) -> Volume:
         raise LoadError(path, f"cannot be read as Zarr: {text}") from None
 
 
-def _read_ome(path: Path, group: Any, image: Mapping, options: VolumeOptions) -> Volume:
+def _read_ome(path: Path, group: Any, image: Mapping, options: VoxelOptions) -> Volume:
     axes = [axis if isinstance(axis, str) else axis["name"] for axis in image.get("axes", "tczyx")]
     units = [axis.get("unit", "") for axis in image.get("axes", []) if isinstance(axis, Mapping)]
     unit = {"micrometer": "µm", "nanometer": "nm", "millimeter": "mm", "angstrom": "Å"}.get(
@@ -59,7 +60,7 @@ def _read_ome(path: Path, group: Any, image: Mapping, options: VolumeOptions) ->
     def fits(level: Mapping) -> bool:
         shape = group[level["path"]].shape
         sides = [n for n, name in zip(shape, axes, strict=True) if name in SPACE]
-        return np.prod(sides, dtype=np.float64) <= options.max_voxels and max(sides) <= MAX_SIDE
+        return np.prod(sides, dtype=np.float64) <= options.limit and max(sides) <= MAX_SIDE
 
     chosen = next((i for i, level in enumerate(levels) if fits(level)), len(levels) - 1)
     if chosen:
@@ -82,7 +83,7 @@ def _read_ome(path: Path, group: Any, image: Mapping, options: VolumeOptions) ->
 
 def _read(
     path: Path, array: Any, axes: list[str], matrix: Any, unit: str, notes: list[str],
-    options: VolumeOptions,
+    options: VoxelOptions,
 ) -> Volume:  # fmt: skip
     index: list[int | slice] = []
     for name, count in zip(axes, array.shape, strict=True):
@@ -97,7 +98,7 @@ def _read(
     if order != [name for name in SPACE if name in order]:
         raise LoadError(path, f"its spatial axes are ordered {order}, not z, y, x")
     lazy = _Planes(array, tuple(index))
-    small = np.prod(lazy.shape, dtype=np.float64) <= options.max_voxels
+    small = np.prod(lazy.shape, dtype=np.float64) <= options.limit
     values = lazy[:] if small and max(lazy.shape) <= MAX_SIDE else lazy
     return finished(path, values, matrix, options=options, unit=unit, notes=notes)
 

@@ -15,6 +15,7 @@ from scuro.scene.geometry import Body, Material
 from scuro.scene.lights import Lighting
 from scuro.scene.molecule import Molecule
 from scuro.scene.volume import Volume
+from scuro.style.transfer import TransferFunction
 
 
 @dataclass(frozen=True)
@@ -87,10 +88,11 @@ class MoleculeItem:
 
 @dataclass(eq=False)
 class VolumeItem:
-    """A scalar volume; how it is shown is for :mod:`scuro.passes.volume`."""
+    """A scalar volume and its transfer function."""
 
     volume: Volume
-    shown: Any = None
+    shown: TransferFunction | None = None
+    """Colour and opacity; those of the settings if None."""
 
 
 class Scene:

@@ -26,6 +26,15 @@ _SIDES = {
     "bottom": ((0, -1, 0), (0, 0, 1)),
 }
 """Direction to the eye and upward direction. ``front`` looks along -z with y up."""
+_PATIENT_SIDES = {
+    "front": ((0, 1, 0), (0, 0, 1)),
+    "back": ((0, -1, 0), (0, 0, 1)),
+    "right": ((1, 0, 0), (0, 0, 1)),
+    "left": ((-1, 0, 0), (0, 0, 1)),
+    "top": ((0, 0, 1), (0, 1, 0)),
+    "bottom": ((0, 0, -1), (0, 1, 0)),
+}
+"""The same for patients, whose y points to the front and whose z points up."""
 _PRINCIPAL = "principal"
 _EXACT_POINTS = 2_000_000
 """Beyond so many primitives the picture is fitted to the instances' bounding spheres."""
@@ -73,7 +82,7 @@ def view_camera(scene: Scene, view: ViewSettings, aspect: float) -> Camera:
     if view.position is not None:
         camera = _placed(view, bounds)
     else:
-        direction, up = _direction(view, points)
+        direction, up = _direction(view, points, _sides(scene))
         camera = Camera.fitted(
             bounds,
             direction=direction,
@@ -99,13 +108,22 @@ def _placed(view: ViewSettings, bounds: NDArray) -> Camera:
     return camera
 
 
-def _direction(view: ViewSettings, points: NDArray) -> tuple[tuple, tuple]:
+def _sides(scene: Scene) -> dict[str, tuple[tuple, tuple]]:
+    patient = bool(scene.items) and all(
+        getattr(getattr(item, "volume", None), "anatomical", False) for item in scene.items
+    )
+    return _PATIENT_SIDES if patient else _SIDES
+
+
+def _direction(
+    view: ViewSettings, points: NDArray, sides: dict[str, tuple[tuple, tuple]]
+) -> tuple[tuple, tuple]:
     """Unit directions to the eye and upward."""
     if view.view == _PRINCIPAL:
         rows = principal_axes(points[:, :3])
         direction, up = tuple(rows[2].tolist()), tuple(rows[1].tolist())
     else:
-        direction, up = _SIDES[view.view]
+        direction, up = sides[view.view]
     if view.up is not None:
         up = view.up
     probe = Camera(direction, (0, 0, 0), up).orbited(view.azimuth, view.elevation)

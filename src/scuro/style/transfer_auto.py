@@ -12,7 +12,12 @@ LABEL_COLORS = "tab20"
 DENSE = 0.6
 """Opacity of one voxel well inside what is shown."""
 
-WARM = ((0.0, 0.55, 0.27, 0.18), (0.35, 0.85, 0.58, 0.40), (0.7, 0.96, 0.86, 0.68), (1.0, 1.0, 0.98, 0.93))
+WARM = (
+    (0.0, 0.55, 0.27, 0.18),
+    (0.35, 0.85, 0.58, 0.40),
+    (0.7, 0.96, 0.86, 0.68),
+    (1.0, 1.0, 0.98, 0.93),
+)
 """Shares of the shown range and their sRGB colours: clay to ivory."""
 
 

@@ -1,4 +1,4 @@
-"""Where the samples of a cone lie and what they weigh (Campagnolo 2021, section 3.2, appendix A)."""
+"""Where the samples of a cone lie, and their weights (Campagnolo 2021, 3.2 and appendix A)."""
 
 from __future__ import annotations
 

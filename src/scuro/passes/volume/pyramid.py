@@ -130,7 +130,12 @@ class Pyramid:
             rows = high - low
             record = self.gpu.recorder()
             steps = (
-                ("gather_level" if k else "gather_volume", 0, (source[0], source[1], rows), (source[0], source[1], rows)),
+                (
+                    "gather_level" if k else "gather_volume",
+                    0,
+                    (source[0], source[1], rows),
+                    (source[0], source[1], rows),
+                ),
                 ("blur_x", 0, (source[0], source[1], rows), (out[0], source[1], rows)),
                 ("blur_yz", 1, (out[0], source[1], rows), (out[0], out[1], rows)),
                 ("blur_yz", 2, (out[0], out[1], rows), (out[0], out[1], count)),

@@ -1,0 +1,73 @@
+"""Volumes in the frame: the one call between shading the surfaces and encoding the picture."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from scuro.errors import SettingsError
+from scuro.passes.compose.lighting import lighting_of, lights_uniform
+from scuro.passes.frame import Frame
+from scuro.passes.volume.draw import VolumePicture
+from scuro.style.transfer_choose import choose_transfer
+
+if TYPE_CHECKING:
+    from scuro.scene.scene import Scene
+
+MOST_SHADOWS = 3
+"""Lights that may cast shadows in a volume at once: the channels of its light texture but one."""
+
+
+class Volumes:
+    """Draws a scene's volume and keeps between frames what did not change."""
+
+    def __init__(self) -> None:
+        self._picture: VolumePicture | None = None
+
+    def draw(self, frame: Frame, scene: Scene) -> None:
+        """Draw the scene's volume, if it has one, over ``color``.
+
+        Raises:
+            SettingsError: The scene has several volumes.
+        """
+        if not scene.volumes:
+            self._picture = None
+            return
+        if len(scene.volumes) > 1:
+            names = ", ".join(item.volume.name for item in scene.volumes)
+            raise SettingsError(f"one volume a picture: the scene has {names}")
+        item = scene.volumes[0]
+        settings = frame.settings.volume
+        center = frame.accelerator.center
+        if (
+            self._picture is None
+            or self._picture.volume is not item.volume
+            or (self._picture.center != center).any()
+        ):
+            self._picture = None  # frees the old one first
+            self._picture = VolumePicture(frame.gpu, item.volume, center)
+        transfer = item.shown or choose_transfer(
+            item.volume, settings.transfer, settings.opacity, settings.window, settings.level
+        )
+        lighting = lighting_of(frame.settings.lighting, scene.lighting)
+        lights = lights_uniform(lighting, frame.camera, center, shadows=settings.shadow.on)
+        casting = sum(light["shadow"] >= 0 for light in lights["list"])
+        if casting > MOST_SHADOWS:
+            raise SettingsError(
+                f"at most {MOST_SHADOWS} lights cast shadows in a volume, not {casting}; "
+                "turn the shadow of the others off"
+            )
+        self._picture.draw(
+            frame.recorder,
+            settings,
+            transfer,
+            view=frame.resources["view"],
+            lights=lights,
+            size=frame.size,
+            color=frame.target("volume_color", "rgba16float"),
+            depth=frame.target("volume_depth", "r32float"),
+            clip=scene.clip,
+            surface=frame.resources["surface"] if scene.bodies() else None,
+        )
+        combined = frame.target("combined", "rgba16float")
+        frame.compute("passes/volume/over.wgsl", {"combined": combined}, label="volume over")
+        frame.resources["color"] = combined
