@@ -58,7 +58,7 @@ def read_raw(path: Path, options: VoxelOptions) -> Volume:
     if size is None or dtype is None:
         raise LoadError(
             path,
-            "a raw file tells neither size nor type: give --voxels-size 256x256x133 --voxels-type u8",
+            "tells neither size nor type: give both, as --voxels-size 256x256x133 --voxels-type u8",
         )
     try:
         kind = sample_type(dtype)
