@@ -100,15 +100,19 @@ def help_of(p: Parameter) -> str:
         if len(p.choices) > 6:
             facts.append(f"one of {', '.join(p.choices)}")
     elif p.low is not None and p.high is not None:
-        facts.append(f"{p.low:g} to {p.high:g}{_unit(p)}")
+        facts.append(f"{_number(p.low)} to {_number(p.high)}{_unit(p)}")
     elif p.low is not None:
-        facts.append(f"at least {p.low:g}{_unit(p)}")
+        facts.append(f"at least {_number(p.low)}{_unit(p)}")
     elif p.high is not None:
-        facts.append(f"at most {p.high:g}{_unit(p)}")
+        facts.append(f"at most {_number(p.high)}{_unit(p)}")
     elif p.unit:
         facts.append(p.unit)
     facts.append(f"default {_shown(p)}")
     return f"{p.help.rstrip('.')}. [{'; '.join(facts)}]"
+
+
+def _number(value: float) -> str:
+    return str(int(value)) if value == int(value) and abs(value) < 1e15 else f"{value:g}"
 
 
 def _unit(p: Parameter) -> str:
