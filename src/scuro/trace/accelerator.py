@@ -156,11 +156,14 @@ def build_accelerator(
             else np.zeros((2, 3))
         )
     extent = float(np.linalg.norm(bounds[1] - bounds[0]) / 2)
-    radii = [p.median_radius for p in packed.values() if p.median_radius > 0]
-    counts = [len(packed[id(b.geometry)].primitives) * len(b.positions) for b in bodies]
+    # triangles have no radius: a cartoon takes its scale from the sticks and spheres beside it
+    sized = [b for b in bodies if packed[id(b.geometry)].median_radius > 0]
     primitive_radius = (
-        _weighted_median([packed[id(b.geometry)].median_radius for b in bodies], counts)
-        if radii
+        _weighted_median(
+            [packed[id(b.geometry)].median_radius for b in sized],
+            [len(packed[id(b.geometry)].primitives) * len(b.positions) for b in sized],
+        )
+        if sized
         else extent / 100
     )
     return Accelerator(
