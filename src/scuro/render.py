@@ -11,6 +11,7 @@ from scuro.passes.compose.shade import encode, shade
 from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion
+from scuro.passes.semantic.pipeline import shade_semantic
 from scuro.passes.volume.frame import Volumes
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
@@ -71,8 +72,11 @@ class Renderer:
             light.kind != DIRECTIONAL for light in lighting.lights
         )
         draw_visibility(frame)
-        draw_occlusion(frame)
-        shade(frame)
+        if settings.semantic.mode == "off":
+            draw_occlusion(frame)
+            shade(frame)
+        else:
+            shade_semantic(frame, scene.hierarchy())
         self._volumes.draw(frame, scene)
         encode(frame)
         return frame

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from scuro.passes.compose.lighting import LightingSettings
 from scuro.passes.occlusion.occlusion import OcclusionSettings
+from scuro.passes.semantic.settings import SemanticSettings
 from scuro.passes.volume.settings import VolumeSettings
 from scuro.settings import SettingsGroup, setting
 
@@ -22,3 +23,4 @@ class Settings(SettingsGroup):
     lighting: LightingSettings = LightingSettings()
     occlusion: OcclusionSettings = OcclusionSettings()
     volume: VolumeSettings = VolumeSettings()
+    semantic: SemanticSettings = SemanticSettings()

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.scene.geometry import Body, Geometry, Material, rotation_matrices
+from scuro.scene.regions import Divided
 
 DEFAULT_COLOR = (180, 180, 180)
 """sRGB of ingredients nobody has coloured."""
@@ -225,6 +226,16 @@ class MesoscaleModel:
             "notes": list(self.notes),
         }
 
+    def painted(self, colors: NDArray[np.uint8]) -> MesoscaleModel:
+        """The same model with other colours, sRGB (ingredients, 3)."""
+        return replace(
+            self,
+            ingredients=tuple(
+                replace(ingredient, color=tuple(color))
+                for ingredient, color in zip(self.ingredients, colors.tolist(), strict=True)
+            ),
+        )
+
     def bodies(self) -> tuple[Body, ...]:
         """One body for each part and one for each ingredient's curves; made once.
 
@@ -232,36 +243,24 @@ class MesoscaleModel:
         Structures are shifted to the middle of their box, so that a sphere about the local origin
         bounds every instance tightly.
         """
-        return self._bodies
+        return tuple(d.body for d in self.divided)
 
     @cached_property
-    def _bodies(self) -> tuple[Body, ...]:
+    def divided(self) -> tuple[Divided, ...]:
+        """The bodies, and their division into chains."""
         made = []
         for ingredient in self.ingredients:
+            common = {"name": ingredient.name, "path": ingredient.path, "material": MATTE}
             for part in ingredient.parts:
                 if len(part) == 0 or len(part.structure) == 0:
                     continue
                 geometry, middle = _geometry(part.structure, ingredient.color)
-                matrices = rotation_matrices(part.rotations)
-                made.append(
-                    Body(
-                        geometry,
-                        np.asarray(part.rotations, np.float32),
-                        part.positions + matrices @ middle,
-                        name=ingredient.name,
-                        path=ingredient.path,
-                        material=MATTE,
-                    )
-                )
+                positions = part.positions + rotation_matrices(part.rotations) @ middle
+                body = Body(geometry, np.asarray(part.rotations, np.float32), positions, **common)
+                made.append(Divided(body, (part.structure.chain,), painted=True))
             if ingredient.curves:
-                made.append(
-                    Body(
-                        _tubes(ingredient),
-                        name=ingredient.name,
-                        path=ingredient.path,
-                        material=MATTE,
-                    )
-                )
+                body = Body(_tubes(ingredient), **common)
+                made.append(Divided(body, fibre=True, painted=True))
         return tuple(made)
 
 

@@ -13,7 +13,9 @@ from scuro.errors import SettingsError
 from scuro.scene.clip import Clip
 from scuro.scene.geometry import Body, Material
 from scuro.scene.lights import Lighting
+from scuro.scene.model import MesoscaleModel
 from scuro.scene.molecule import Molecule
+from scuro.scene.regions import Divided, Hierarchy, hierarchy_of
 from scuro.scene.volume import Volume
 from scuro.style.transfer import TransferFunction
 
@@ -52,6 +54,12 @@ class MoleculeItem:
         self._bodies = kept
         return found
 
+    def divided(self) -> list[Divided]:
+        """The bodies with their division into chains and residues."""
+        molecule = self.molecule
+        groups = (molecule.chain, molecule.residue)
+        return [Divided(body, groups) for body in self.bodies()]
+
     def _build(self, shown: Shown) -> list[Body]:
         from scuro.style.color import atom_colors
         from scuro.style.representation import Representation, build_geometry
@@ -87,6 +95,32 @@ class MoleculeItem:
 
 
 @dataclass(eq=False)
+class MesoscaleItem:
+    """A cell-scale model; its ingredients are coloured by their place in the hierarchy."""
+
+    model: MesoscaleModel
+    _colored: MesoscaleModel | None = field(default=None, repr=False)
+
+    @property
+    def colored(self) -> MesoscaleModel:
+        """The model with a colour for each ingredient."""
+        if self._colored is None:
+            from scuro.style.hierarchy import hierarchy_colors
+
+            paths = [i.path for i in self.model.ingredients]
+            self._colored = self.model.painted(hierarchy_colors(paths))
+        return self._colored
+
+    def bodies(self) -> list[Body]:
+        """One body a structure and ingredient; the same objects every time."""
+        return list(self.colored.bodies())
+
+    def divided(self) -> tuple[Divided, ...]:
+        """The bodies with their division into chains."""
+        return self.colored.divided
+
+
+@dataclass(eq=False)
 class VolumeItem:
     """A scalar volume and its transfer function."""
 
@@ -109,11 +143,14 @@ class Scene:
         self.clip: Clip = Clip()
         self.extra_bodies: list[Body] = []
         """Bodies that belong to no item (a probe, markers)."""
+        self._hierarchy: tuple[tuple[Body, ...], Hierarchy] | None = None
 
     def add(self, item: Any) -> Scene:
-        """Add a molecule, volume or other loaded item."""
+        """Add a molecule, a cell-scale model, a volume or another loaded item."""
         if isinstance(item, Molecule):
             item = MoleculeItem(item)
+        elif isinstance(item, MesoscaleModel):
+            item = MesoscaleItem(item)
         elif isinstance(item, Volume):
             item = VolumeItem(item)
         self.items.append(item)
@@ -180,6 +217,20 @@ class Scene:
             if hasattr(item, "bodies"):
                 found += item.bodies()
         return found + self.extra_bodies
+
+    def hierarchy(self) -> Hierarchy:
+        """The levels of everything in the scene; the same object while the bodies are."""
+        found: list[Divided] = []
+        for item in self.items:
+            if hasattr(item, "divided"):
+                found += item.divided()
+            elif hasattr(item, "bodies"):
+                found += [Divided(body) for body in item.bodies()]
+        found += [Divided(body) for body in self.extra_bodies]
+        key = tuple(d.body for d in found)
+        if self._hierarchy is None or self._hierarchy[0] != key:
+            self._hierarchy = (key, hierarchy_of(found))
+        return self._hierarchy[1]
 
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) world box around everything."""

@@ -17,7 +17,7 @@ from scuro.style.palettes import oklch
 
 FIRST_HUE = 250.0
 """Degrees: the first branch is blue; the others follow around the circle."""
-GAP = 0.25
+GAP = 0.35
 """Share of an arc that is left empty between siblings."""
 LIGHTNESS, LIGHTNESS_SPREAD = 0.74, 0.07
 CHROMA_FAR, CHROMA_NEAR = 0.08, 0.125
@@ -49,9 +49,10 @@ def _look(
     paths: Sequence[Path], hues: dict[Path, float], level: int, depth: int
 ) -> NDArray[np.float64]:
     """(3, n) lightness, chroma and hue in degrees with branches told apart down to ``level``."""
-    ancestors = [p[: level + 1] for p in paths]
+    # a leaf's own name counts on the deepest level only, however short its path
+    ancestors = [p if level >= depth else p[: min(level + 1, max(len(p) - 1, 1))] for p in paths]
     rank = _sibling_rank(paths)
-    steps = np.array([rank[a] % 3 - 1 for a in ancestors]) * (level > 1)
+    steps = np.array([rank[a] % 3 - 1 for a in ancestors]) * (level >= depth)
     chroma = CHROMA_FAR + (CHROMA_NEAR - CHROMA_FAR) * level / max(depth, 1)
     return np.stack(
         [
@@ -75,7 +76,7 @@ def _hues(paths: Sequence[Path]) -> dict[Path, float]:
         if not below:
             continue
         # a node's share grows with what is below it, but slowly: few-membered branches stay visible
-        weights = np.sqrt([1.0 + _count(children, child) for child in below])
+        weights = np.array([1.0 + _count(children, child) for child in below]) ** 0.35
         edges = start + (end - start) * np.concatenate([[0], np.cumsum(weights)]) / weights.sum()
         for child, low, high in zip(below, edges[:-1], edges[1:], strict=True):
             margin = (high - low) * GAP / 2 if len(below) > 1 else 0.0

@@ -1,0 +1,1 @@
+"""Semantic occlusion: the hierarchy decides what may darken what (Koch 2018)."""

@@ -1,0 +1,139 @@
+"""The levels of a scene's hierarchy, and the region that each element belongs to at each level.
+
+Level by level a scene is divided more finely: compartments, compartments within them, ingredients,
+instances, then parts of an instance (chains, residues or any selections). Every level refines the
+one before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.scene.geometry import Body
+
+BY_OBJECT, BY_INSTANCE, BY_GROUP = range(3)
+"""What tells the regions of a level apart; as in passes/semantic/regions.wgsl."""
+
+
+@dataclass(frozen=True, eq=False)
+class Divided:
+    """A body and how it is divided further than into instances."""
+
+    body: Body
+    groups: tuple[NDArray[np.int32], ...] = ()
+    """Ever finer divisions: each an array that gives an element id (atom) its group."""
+    fibre: bool = False
+    """Whether element ids number separate pieces (curves): they are its instances."""
+    painted: bool = False
+    """Whether its colour is that of its place in the hierarchy."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """One way of dividing the scene."""
+
+    name: str
+    kind: int
+    """BY_OBJECT, BY_INSTANCE or BY_GROUP."""
+    division: int = 0
+    """Which table of labels (BY_OBJECT) or of groups (BY_GROUP)."""
+    depth: int = 0
+    """How many steps below the root of the tree: for colours."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hierarchy:
+    """All levels of a scene, coarse to fine, and the tables behind them."""
+
+    levels: tuple[Level, ...]
+    labels: NDArray[np.uint32]
+    """(k, objects): the region of each object in each of the BY_OBJECT levels."""
+    names: tuple[tuple[str, ...], ...]
+    """For each BY_OBJECT level, the path of each region joined by ``/``."""
+    groups: NDArray[np.uint32]
+    """All groups of all bodies, one after the other."""
+    offsets: NDArray[np.uint32]
+    """(divisions, objects): where a body's groups begin in ``groups``; all ones for none."""
+    fibre: NDArray[np.uint32]
+    """(objects,) 1 where element ids number the instances."""
+    paths: tuple[tuple[str, ...], ...]
+    """For each object its place in the tree, empty if not coloured by it; none at all if none is."""
+
+
+NO_GROUPS = np.uint32(0xFFFFFFFF)
+
+
+def hierarchy_of(divided: Sequence[Divided]) -> Hierarchy:
+    """The hierarchy of bodies, from their paths and divisions.
+
+    Levels that divide nothing further are left out; there is always at least one level.
+    """
+    paths = [d.body.path or (d.body.name,) for d in divided]
+    levels: list[Level] = []
+    labels: list[NDArray[np.uint32]] = []
+    names: list[tuple[str, ...]] = []
+    deepest = max((len(p) for p in paths), default=1)
+    for depth in range(1, deepest + 1):
+        # compartments first; the ingredients' own names come last, all at once
+        inner = depth < deepest
+        cut = [p[: min(depth + 1, len(p) - 1)] if inner else p for p in paths]
+        found = list(dict.fromkeys(cut))
+        label = np.array([found.index(c) for c in cut], np.uint32)
+        if len(found) < 2 or (labels and _same(labels[-1], label)):
+            continue
+        name = f"compartment {depth}" if inner else "ingredient"
+        levels.append(Level(name, BY_OBJECT, len(labels), depth if inner else deepest - 1))
+        labels.append(label)
+        names.append(tuple("/".join(c[1:]) or c[0] for c in found))
+    if any(len(d.body.positions) > 1 or d.fibre for d in divided):
+        levels.append(Level("instance", BY_INSTANCE, depth=deepest - 1))
+    divisions = max((len(d.groups) for d in divided), default=0)
+    offsets = np.full((max(divisions, 1), max(len(divided), 1)), NO_GROUPS, np.uint32)
+    groups: list[NDArray[np.uint32]] = []
+    total = 0
+    for k in range(divisions):
+        levels.append(Level(f"part {k + 1}", BY_GROUP, k, deepest - 1))
+        for number, d in enumerate(divided):
+            if k < len(d.groups):
+                offsets[k, number] = total
+                groups.append(d.groups[k].astype(np.uint32))
+                total += len(d.groups[k])
+    if not levels:
+        levels.append(Level("object", BY_INSTANCE))
+    return Hierarchy(
+        tuple(levels),
+        np.array(labels or [np.zeros(max(len(divided), 1))], np.uint32),
+        tuple(names),
+        np.concatenate([*groups, np.zeros(1, np.uint32)]),
+        offsets,
+        np.array([d.fibre for d in divided] or [False], np.uint32),
+        tuple(p if d.painted else () for p, d in zip(paths, divided, strict=True))
+        if any(d.painted for d in divided)
+        else (),
+    )
+
+
+def _same(one: NDArray, other: NDArray) -> bool:
+    """Whether two labellings divide alike (both number regions by first appearance)."""
+    return bool((one == other).all())
+
+
+def level_at(distance: float, thresholds: Sequence[float]) -> tuple[int, float]:
+    """Level t and how far the camera is on the way to t + 1 (0 to 1); Koch's Algorithm 1.
+
+    Args:
+        distance: From the camera to the middle of the scene (not to each object, or objects at
+            different distances would lie on different levels: thesis, Figure 3.5).
+        thresholds: One distance a level, falling: the camera is on level t at the t-th.
+    """
+    t = int(np.searchsorted(-np.asarray(thresholds), -distance, side="right")) - 1
+    if t < 0:
+        return 0, 0.0
+    if t >= len(thresholds) - 1:
+        return len(thresholds) - 1, 0.0
+    near, far = thresholds[t + 1], thresholds[t]
+    return t, float((far - distance) / (far - near))

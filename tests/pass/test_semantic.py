@@ -1,0 +1,310 @@
+"""Semantic occlusion against known answers: plates and balls in one region or in two."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scuro.errors import SettingsError
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.scene.camera import Camera
+from scuro.scene.geometry import Body, Geometry, Material
+from scuro.scene.regions import Divided, hierarchy_of, level_at
+from scuro.scene.scene import Scene
+
+SIZE = (96, 72)
+MATTE = Material(specular=0.0)
+
+
+@pytest.fixture(scope="module")
+def renderer() -> Renderer:
+    return Renderer()
+
+
+def plate(z: float, half: float, color, path: tuple[str, ...], x: float = 0.0) -> Body:
+    """A square in the plane z that faces +z."""
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], np.float32) * half
+    corners[:, 0] += x
+    vertices = np.concatenate([corners, np.full((4, 1), z, np.float32)], axis=1)
+    triangles = vertices[[[0, 1, 2], [0, 2, 3]]]
+    normals = np.zeros_like(triangles)
+    normals[..., 2] = 1
+    colors = np.tile(np.array([*color, 255], np.uint8), (2, 3, 1))
+    geometry = Geometry(
+        triangles=triangles,
+        triangle_normals=normals,
+        triangle_colors=colors,
+        triangle_ids=np.zeros((2, 3), np.int32),
+    )
+    return Body(geometry, name=path[-1], path=path, material=MATTE)
+
+
+def ball(center, radius: float, color, path: tuple[str, ...]) -> Body:
+    geometry = Geometry(
+        spheres=np.array([[*center, radius]], np.float32),
+        sphere_colors=np.array([[*color, 255]], np.uint8),
+        sphere_ids=np.zeros(1, np.int32),
+    )
+    return Body(geometry, name=path[-1], path=path, material=MATTE)
+
+
+def scene_of(*bodies: Body) -> Scene:
+    """The bodies, and below them, unseen, a second compartment: so there are two levels."""
+    scene = Scene()
+    scene.extra_bodies += bodies
+    scene.extra_bodies.append(ball((0, 0, -5), 0.5, (9, 9, 9), ("root", "B", "hidden")))
+    return scene
+
+
+def plate_under_plate(upper_path: tuple[str, ...]) -> Scene:
+    """A wide plate with a small one 2 above its middle."""
+    return scene_of(
+        plate(0, 20, (200, 200, 200), ("root", "A", "floor")),
+        plate(2, 3, (200, 80, 80), upper_path),
+    )
+
+
+def settings_of(**changes) -> Settings:
+    base = {
+        "mode": "screen",
+        "samples": 64,
+        "thresholds": (50.0, 40.0),
+        "far_radius": 0.1,
+        "bounce": 0.0,
+        "shadow": 0.0,
+        "calm": 0.0,
+    } | changes
+    return Settings(size=SIZE).replace(**{f"semantic__{k}": v for k, v in base.items()})
+
+
+CAMERA = Camera((0, 0, 60), (0, 0, 0), (0, 1, 0), 30)
+"""From straight above, beyond the first threshold."""
+
+
+def buffers(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings, *names: str):
+    image = renderer.render(scene, camera, settings)
+    return [
+        renderer.gpu.read_texture(image._frame.resources[name]).astype(np.float64)
+        for name in names
+    ]  # fmt: skip
+
+
+BESIDE = (slice(34, 38), slice(56, 58))
+"""Pixels of the lower plate just beside the edge of the upper one."""
+
+
+def visibility_beside(renderer: Renderer, scene: Scene, settings: Settings, camera=CAMERA) -> float:
+    return buffers(renderer, scene, camera, settings, "gathered")[0][BESIDE][..., 3].mean()
+
+
+def test_only_another_region_occludes(renderer):
+    other = visibility_beside(renderer, plate_under_plate(("root", "B", "lid")), settings_of())
+    same = visibility_beside(renderer, plate_under_plate(("root", "A", "lid")), settings_of())
+    assert same == pytest.approx(1.0, abs=1e-3)
+    assert other < 0.95
+
+
+def test_without_semantics_both_occlude_alike(renderer):
+    plain = settings_of(mode="plain")
+    other = visibility_beside(renderer, plate_under_plate(("root", "B", "lid")), plain)
+    same = visibility_beside(renderer, plate_under_plate(("root", "A", "lid")), plain)
+    assert other == pytest.approx(same, abs=1e-6)
+    assert other < 0.95
+
+
+def test_between_thresholds_the_two_levels_results_are_interpolated(renderer):
+    # one region on the first level, two on the second
+    scene = scene_of(
+        plate(0, 20, (200, 200, 200), ("root", "A", "floor")),
+        plate(2, 3, (200, 80, 80), ("root", "A", "lid")),
+    )
+    camera = Camera((0, 0, 45.0), (0, 0, 0), (0, 1, 0), 30)
+    beside = (slice(34, 38), slice(58, 61))
+    center = np.asarray(renderer.accelerator(scene).center)
+    away = float(np.linalg.norm(np.subtract(camera.position, center)))
+
+    def visible(first: float, second: float) -> np.ndarray:
+        settings = settings_of(thresholds=(first, second), blur_occlusion=0)
+        return buffers(renderer, scene, camera, settings, "gathered")[0][beside][..., 3]
+
+    coarse = visible(away, away / 2)
+    fine = visible(2 * away, away)
+    half = visible(1.5 * away, 0.5 * away)
+    assert coarse.mean() > fine.mean() + 0.03
+    # near occlusion fades with depth too, but a flat plate has none at this distance
+    np.testing.assert_allclose(half, (coarse + fine) / 2, atol=0.02)
+
+
+def test_regions_buffer_holds_both_levels(renderer):
+    scene = scene_of(
+        plate(0, 20, (200, 200, 200), ("root", "A", "floor")),
+        plate(2, 3, (200, 80, 80), ("root", "A", "lid")),
+        plate(1, 3, (90, 80, 80), ("root", "B", "step"), x=10),
+    )
+    (regions,) = buffers(renderer, scene, CAMERA, settings_of(), "regions")
+    floor, lid, step = regions[36, 20], regions[36, 48], regions[36, 71]
+    assert floor[0] == lid[0] != step[0]
+    assert len({floor[1], lid[1], step[1]}) == 3
+
+
+def test_bounce_carries_the_senders_colour(renderer):
+    # a white and a red ball side by side: each lights the other's flank
+    scene = scene_of(
+        ball((-1, 0, 0), 1.0, (255, 255, 255), ("root", "A", "white")),
+        ball((1, 0, 0), 1.0, (255, 0, 0), ("root", "A", "red")),
+    )
+    camera = Camera((0, 0, 9), (0, 0, 0), (0, 1, 0), 30)
+    bright = settings_of(bounce=1.0, thresholds=(100.0, 50.0), near_radius=1.5)
+    bounce, ids = buffers(renderer, scene, camera, bright, "bounce", "ids")
+    on_white, on_red = bounce[ids[..., 2] == 0], bounce[ids[..., 2] == 1]
+    assert on_white[:, 0].sum() > 1
+    assert on_white[:, 1].sum() < 0.05 * on_white[:, 0].sum(), "red light falls on the white ball"
+    assert on_red[:, 1].sum() > 0.5 * on_red[:, 0].sum(), "white light falls on the red ball"
+    distant = bright.replace(semantic__thresholds=(10.0, 5.0))
+    (far,) = buffers(renderer, scene, camera, distant, "bounce")
+    assert far[..., :3].max() == 0, "the bounce fades out with distance"
+
+
+def test_shadows_fall_between_regions_only(renderer):
+    shade = settings_of(shadow=1.0, blur_shadow=0)
+    high = ("root", "B", "lid")
+    camera = Camera((0, 0, 60), (0, 0, 0), (0, 1, 0), 30)
+
+    def darkest(path):
+        scene = scene_of(
+            plate(0, 20, (200, 200, 200), ("root", "A", "floor")), plate(3, 3, (200, 80, 80), path)
+        )
+        return buffers(renderer, scene, camera, shade, "lit")[0][..., 0].min()
+
+    assert darkest(high) == 0.0
+    assert darkest(("root", "A", "lid")) == 1.0
+
+
+def test_combine_is_colour_times_light_times_shadow_plus_bounce(renderer):
+    scene = plate_under_plate(("root", "B", "lid"))
+    settings = settings_of(shadow=0.5, bounce=0.5, blur_occlusion=0, blur_bounce=0, blur_shadow=0)
+    names = ("color", "albedo", "gathered", "lit", "bounce", "surface")
+    color, albedo, gathered, lit, bounce, surface = buffers(
+        renderer, scene, CAMERA, settings, *names
+    )
+    expected = albedo[..., :3] * (gathered[..., :3] * lit[..., :1] + bounce[..., :3])
+    there = surface[..., 3] > 0
+    np.testing.assert_allclose(color[there][:, :3], expected[there], rtol=4e-3, atol=2e-3)
+
+
+def blurred_by_hand(source, surface, amount, depth_limit, normal_limit):
+    """Algorithm 3 along x, in numpy."""
+    out = np.zeros_like(source)
+    height, width = source.shape[:2]
+    for y in range(height):
+        for x in range(width):
+            total = weights = 0.0
+            for i in range(-amount, amount + 1):
+                if not 0 <= x + i < width:
+                    continue
+                here, there = surface[y, x], surface[y, x + i]
+                if abs(there[3] - here[3]) < depth_limit and there[:3] @ here[:3] > normal_limit:
+                    w = np.exp(-((i / (amount * 1.5)) ** 2))
+                    total, weights = total + w * source[y, x + i], weights + w
+            out[y, x] = total / weights
+    return out
+
+
+def test_blur_is_algorithm_3(renderer):
+    gpu, rng = renderer.gpu, np.random.default_rng(3)
+    source = rng.random((9, 17, 4)).astype(np.float16)
+    surface = rng.normal(size=(9, 17, 4)).astype(np.float32)
+    surface[..., :3] /= np.linalg.norm(surface[..., :3], axis=-1, keepdims=True)
+    surface[..., 3] = rng.uniform(5, 6, (9, 17))
+    out = gpu.texture((17, 9), "rgba16float")
+    uniform = {"step": (1, 0), "amount": 3, "depth_limit": 0.4, "normal_limit": -0.2}
+    tiles = np.array([x | y << 16 for y in range(2) for x in range(3)], np.uint32)
+    gpu.compute(
+        "passes/semantic/blur.wgsl",
+        "main",
+        (8 * len(tiles), 8),
+        {
+            "tile_list": gpu.buffer(tiles),
+            "blur": uniform,
+            "surface": gpu.texture_from(surface, "rgba32float"),
+            "source": gpu.texture_from(source, "rgba16float"),
+            "blurred": out,
+        },
+    )
+    expected = blurred_by_hand(source.astype(float), surface, 3, 0.4, -0.2)
+    np.testing.assert_allclose(gpu.read_texture(out), expected, atol=2e-3)
+
+
+def test_zooming_never_jumps(renderer):
+    rng = np.random.default_rng(0)
+    bodies = [
+        ball(rng.normal(size=3) * 6, 1.0, rng.integers(60, 255, 3), ("root", c, f"{c}{i}"))
+        for c in "AB"
+        for i in range(30)
+    ]
+    scene = scene_of(plate(-3, 40, (200, 200, 200), ("root", "C", "floor")), *bodies)
+    settings = settings_of(
+        thresholds=None, distance_to="target", bounce=0.5, shadow=0.5, samples=16
+    )
+    means = []
+    for distance in np.geomspace(120, 40, 25):
+        image = renderer.render(scene, Camera((0, 0, distance), (0, 0, 0), (0, 1, 0), 10), settings)
+        means.append(np.asarray(image)[..., :3].mean() / 255)
+    assert np.abs(np.diff(means)).max() < 0.02
+
+
+def test_levels_and_blend_between_thresholds():
+    steps = (100.0, 50.0, 10.0)
+    assert level_at(200, steps) == (0, 0.0)
+    assert level_at(75, steps) == (0, 0.5)
+    assert level_at(50, steps) == (1, 0.0)
+    assert level_at(20, steps) == (1, 0.75)
+    assert level_at(1, steps) == (2, 0.0)
+
+
+def test_thresholds_out_of_order_or_too_many_are_refused(renderer):
+    with pytest.raises(SettingsError, match="far to near"):
+        settings_of(thresholds=(10.0, 20.0))
+    with pytest.raises(SettingsError, match="4 thresholds for 2 levels"):
+        renderer.render(
+            plate_under_plate(("root", "B", "lid")),
+            CAMERA,
+            settings_of(thresholds=(4.0, 3.0, 2.0, 1.0)),
+        )
+
+
+def body_at(*path: str, instances: int = 1) -> Body:
+    geometry = Geometry(
+        spheres=np.array([[0, 0, 0, 1], [3, 0, 0, 1]], np.float32),
+        sphere_colors=np.zeros((2, 4), np.uint8),
+        sphere_ids=np.arange(2, dtype=np.int32),
+    )
+    return Body(
+        geometry,
+        np.tile(np.array([0, 0, 0, 1], np.float32), (instances, 1)),
+        np.zeros((instances, 3)),
+        name=path[-1],
+        path=path,
+    )
+
+
+def test_hierarchy_levels_refine_and_skip_what_divides_nothing():
+    chains = np.array([0, 1], np.int32)
+    found = hierarchy_of(
+        [
+            Divided(body_at("root", "plasma", "albumin", instances=3), (chains,)),
+            Divided(body_at("root", "virus", "shell", "env"), (chains,)),
+            Divided(body_at("root", "virus", "capsid", "inside", "rt"), (chains,)),
+            Divided(body_at("root", "virus", "capsid", "inside", "nc"), (chains,)),
+        ]
+    )
+    assert [level.name for level in found.levels] == [
+        "compartment 1", "compartment 2", "ingredient", "instance", "part 1",
+    ]  # fmt: skip
+    assert found.labels.tolist() == [[0, 1, 1, 1], [0, 1, 2, 2], [0, 1, 2, 3]]
+
+
+def test_a_single_molecule_is_divided_by_its_chains():
+    found = hierarchy_of([Divided(body_at("mol"), (np.array([0, 1], np.int32),))])
+    assert [level.name for level in found.levels] == ["part 1"]
