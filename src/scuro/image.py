@@ -91,7 +91,9 @@ class Image:
         from scuro.export.image import Picture, save_picture
 
         if settings is None and self._frame is not None:
-            settings = {"settings": self._frame.settings.as_dict()}
+            from scuro.export.scene_file import SceneFile
+
+            settings = SceneFile(settings=self._frame.settings).as_dict()
         save_picture(
             path,
             Picture(self.pixels, lambda: self.buffer("linear"), self.buffers, settings, bits, dpi),

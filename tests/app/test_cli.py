@@ -127,6 +127,24 @@ def test_a_process_ends_with_the_code_and_the_sentence(tmp_path):
     assert_one_sentence(result.stdout, result.stderr, "nothere.pdb")
 
 
+def test_no_adapter_is_said_with_the_way_out(tmp_path):
+    environment = {**os.environ, "SCURO_BACKENDS": "DX12" if os.name != "nt" else "Metal"}
+    result = scuro("render", "sample:1hpv", "-o", "x.png", cwd=tmp_path, env=environment)
+    assert result.returncode == 1 and not list(tmp_path.iterdir())
+    assert_one_sentence(result.stdout, result.stderr, "mesa-vulkan-drivers")
+
+
+def test_a_structure_from_standard_input(tmp_path):
+    from scuro.load import open_source
+
+    with subprocess.Popen(
+        [sys.executable, "-m", "scuro", "info", "-", "--json"],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+    ) as process:  # fmt: skip
+        out, _ = process.communicate(open_source("sample:1hpv").data)
+    assert json.loads(out)["atoms"] == 1631
+
+
 def test_an_unexpected_error_is_one_sentence_and_debug_shows_where(monkeypatch):
     from scuro.app import cli
 

@@ -7,6 +7,7 @@ import pytest
 import scuro
 from scuro.errors import SettingsError
 from scuro.export.png import read_settings
+from scuro.export.scene_file import read_scene_file
 from scuro.scene.camera import Camera
 from scuro.scene.geometry import Body, Geometry
 from scuro.scene.scene import Scene
@@ -68,6 +69,8 @@ def test_a_picture_saves_with_its_buffers_and_settings(renderer, tmp_path):
     assert set(np.unique(channels["A"])) <= {0, 1} and channels["R"][channels["A"] == 0].max() == 0
     image.save(tmp_path / "a.png")
     assert read_settings(tmp_path / "a.png")["settings"]["size"] == [64, 48]
+    with pytest.raises(SettingsError, match="names no input"):
+        read_scene_file(tmp_path / "a.png").scene()
     assert np.asarray(image.pil).shape == (48, 64, 4)
 
 

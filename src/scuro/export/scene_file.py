@@ -76,6 +76,8 @@ class SceneFile:
         from scuro.passes.compose.lighting import PRESETS
         from scuro.scene.geometry import Material
 
+        if not self.input:
+            raise SettingsError("the scene names no input: it was made in Python, not from files")
         scene = Scene()
         for line in self.input:
             scene.add(load(line.path, format=line.format, options=self.load))
