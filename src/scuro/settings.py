@@ -14,10 +14,19 @@ import types
 import typing
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
-from functools import cache
-from typing import Any, Self, dataclass_transform
+from typing import TYPE_CHECKING, Any, Self, TypeVar, dataclass_transform
 
 from scuro.errors import SettingsError
+
+if TYPE_CHECKING:
+    _F = TypeVar("_F", bound=Callable[..., Any])
+
+    def cache(function: _F) -> _F:
+        """As functools.cache, for which mypy takes our classes for unhashable."""
+        return function
+
+else:
+    from functools import cache
 
 
 def setting(
@@ -70,7 +79,7 @@ class Parameter:
     check: Callable[[Any], None] | None
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(setting, field))
+@dataclass_transform(frozen_default=True)
 class SettingsGroup:
     """Base of all settings dataclasses: checks values on construction and on ``replace``."""
 

@@ -80,8 +80,8 @@ def _print(report: dict[str, Any]) -> None:
     title = f"{report['benchmark']} on {report.get('adapter', 'this machine')}"
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     for key, value in rows[0].items():
-        justify = "left" if isinstance(value, str) else "right"
-        table.add_column(key.replace("_", " "), justify=justify)
+        name = key.replace("_", " ")
+        table.add_column(name, justify="left" if isinstance(value, str) else "right")
     for row in rows:
         table.add_row(*(f"{v:,}" if isinstance(v, int) else str(v) for v in row.values()))
     print_table(table)

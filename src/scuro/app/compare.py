@@ -109,7 +109,7 @@ def command(
     rows = [replace(row, image=file) for row, file in zip(rows, files, strict=True)]
     notes = {label: _note(row) for label, row in zip(pictures, rows, strict=True)}
     _save_sheet(folder / "sheet.png", contact_sheet(pictures, notes))
-    about = {
+    about: dict[str, Any] = {
         "input": [line.path for line in document.input],
         "atoms": sum(len(item.molecule) for item in scene.molecules),
         "adapter": str(renderer.gpu.info),
