@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+from dataclasses import dataclass
 from typing import Any
 
 from scuro.gpu import Gpu, Timings
@@ -20,6 +22,14 @@ from scuro.scene.scene import Scene
 from scuro.trace import Accelerator, build_accelerator
 
 
+@dataclass
+class _Built:
+    """The acceleration structure and what it was built from; shared by sibling renderers."""
+
+    bodies: tuple[Any, ...] = ()
+    accelerator: Accelerator | None = None
+
+
 class Renderer:
     """Draws scenes on one GPU and keeps between frames what did not change.
 
@@ -31,20 +41,29 @@ class Renderer:
     def __init__(self, device: str | None = None, *, gpu: Gpu | None = None) -> None:
         self.gpu = gpu or Gpu(device)
         self.targets = TargetPool(self.gpu)
-        self._bodies: tuple[Any, ...] = ()
-        self._accelerator: Accelerator | None = None
+        self._built = _Built()
         self._volumes = Volumes()
 
     def accelerator(self, scene: Scene) -> Accelerator:
         """The scene's acceleration structure, rebuilt only if a body was replaced."""
         bodies = tuple(scene.bodies())
-        if self._accelerator is None or bodies != self._bodies:
+        built = self._built
+        if built.accelerator is None or bodies != built.bodies:
             bounds = scene.bounds()
-            self._accelerator = build_accelerator(
+            built.accelerator = build_accelerator(
                 self.gpu, bodies, bounds.mean(axis=0), bounds=bounds
             )
-            self._bodies = bodies
-        return self._accelerator
+            built.bodies = bodies
+        return built.accelerator
+
+    def sibling(self) -> Renderer:
+        """A renderer for another view of the same scene.
+
+        It has textures of its own and shares what was built from the scene.
+        """
+        other = copy.copy(self)
+        other.targets = TargetPool(self.gpu)
+        return other
 
     def frame(self, scene: Scene, camera: Camera, settings: Settings) -> Frame:
         """Record one frame: geometry, occlusion, shadow, compose. Nothing is submitted yet."""

@@ -73,8 +73,6 @@ class SceneFile:
             SettingsError: A selection, colour or style is not known, or selects nothing.
         """
         from scuro.load import load
-        from scuro.passes.compose.lighting import PRESETS
-        from scuro.scene.geometry import Material
 
         if not self.input:
             raise SettingsError("the scene names no input: it was made in Python, not from files")
@@ -85,6 +83,19 @@ class SceneFile:
                 if scene.items[-1] not in scene.molecules:
                     raise SettingsError(f"{line.path} has no biological assemblies")
                 scene.items[-1].assembly = line.assembly
+        self.show_in(scene)
+        return scene
+
+    def show_in(self, scene: Scene) -> None:
+        """Make a scene of these inputs look as the document says; bodies that stay are kept.
+
+        Raises:
+            SettingsError: A selection, colour or style is not known, or selects nothing.
+        """
+        from scuro.passes.compose.lighting import PRESETS
+        from scuro.scene.geometry import Material
+
+        scene.hide()
         for show in self.show:
             scene.show(
                 show.style,
@@ -93,10 +104,8 @@ class SceneFile:
                 material=replace(Material(), opacity=show.opacity),
                 **_changed(show.sizes),
             )
-        if self.light:
-            preset = PRESETS[self.settings.lighting.preset]
-            scene.lighting = replace(preset, lights=self.light)
-        return scene
+        preset = PRESETS[self.settings.lighting.preset]
+        scene.lighting = replace(preset, lights=self.light) if self.light else None
 
     def as_dict(self, folder: Path | None = None) -> dict[str, Any]:
         """Plain values; input paths relative to ``folder`` if one is given."""

@@ -252,6 +252,21 @@ class Gpu:
             array = array[0]
         return array[..., 0] if channels == 1 else array
 
+    def read_texel(self, texture: Any, x: int, y: int) -> NDArray:
+        """One texel of a 2-D texture: (channels,)."""
+        dtype, channels = _TEXEL[texture.format]
+        with _telling("reading back a pixel"):
+            data = self.device.queue.read_texture(
+                {"texture": texture, "mip_level": 0, "origin": (x, y, 0)},
+                {
+                    "offset": 0,
+                    "bytes_per_row": channels * np.dtype(dtype).itemsize,
+                    "rows_per_image": 1,
+                },
+                (1, 1, 1),
+            )
+        return np.frombuffer(data, dtype, channels)
+
     def read_buffer(self, buffer: Any, dtype: Any = np.float32) -> NDArray:
         """A buffer's content as a flat array."""
         with _telling("reading back a buffer"):

@@ -1,0 +1,128 @@
+"""The scene that all views show, and every change to it."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from scuro.errors import ScuroError
+from scuro.export.scene_file import SceneFile, Show, write_scene_file
+from scuro.render_settings import Settings
+from scuro.scene.clip import Clip
+from scuro.scene.scene import Scene
+from scuro.viewer.history import History, State
+
+
+class Model:
+    """One scene for all who look at it.
+
+    Args:
+        document: What to show and how.
+        scene: The scene already read from the document, if it was.
+        reader: Reads a document's scene; a server gives one that keeps to its files.
+
+    Raises:
+        LoadError: An input cannot be read.
+    """
+
+    def __init__(
+        self,
+        document: SceneFile,
+        scene: Scene | None = None,
+        reader: Callable[[SceneFile], Scene] = SceneFile.scene,
+    ) -> None:
+        self._reader = reader
+        self.scene = scene or reader(document)
+        if not document.show and self.scene.molecules:
+            document = replace(document, show=(Show(),))
+        self.history = History(State(document, self.scene.clip))
+        self._input = document.input, document.load
+        self._watchers: weakref.WeakSet[Any] = weakref.WeakSet()
+        self.message = ""
+        """The last error's sentence, for people."""
+
+    @property
+    def document(self) -> SceneFile:
+        return self.history.present.document
+
+    @property
+    def settings(self) -> Settings:
+        return self.document.settings
+
+    @property
+    def clip(self) -> Clip:
+        return self.history.present.clip
+
+    def watch(self, watcher: Any) -> None:
+        """Call ``watcher.scene_changed()`` after each change, as long as it lives."""
+        self._watchers.add(watcher)
+
+    def change(self, gesture: str | None = None, **changes: Any) -> bool:
+        """Replace fields of the state (``clip``) or of its document (``settings``, ``show``, …).
+
+        Returns:
+            Whether it could be done; if not, all is as before and :attr:`message` says why.
+        """
+        state = self.history.present
+        if "clip" in changes:
+            state = replace(state, clip=changes.pop("clip"))
+        state = replace(state, document=replace(state.document, **changes))
+        return self._apply(state, lambda: self.history.change(state, gesture))
+
+    def undo(self) -> None:
+        """Take the last change back."""
+        self._step(self.history.undo, self.history.redo)
+
+    def redo(self) -> None:
+        """Make the change again that was taken back."""
+        self._step(self.history.redo, self.history.undo)
+
+    def _step(self, step: Callable[[], bool], back: Callable[[], bool]) -> None:
+        if step() and not self._apply(self.history.present, lambda: None):
+            back()
+
+    def open(self, document: SceneFile) -> bool:
+        """Show another document; undo returns to this one."""
+        return self._apply_document(document)
+
+    def _apply_document(self, document: SceneFile) -> bool:
+        state = State(document)
+        return self._apply(state, lambda: self.history.change(state))
+
+    def _apply(self, state: State, commit: Callable[[], None]) -> bool:
+        """Bring the scene in line with a state; on an error leave it as it was."""
+        before = self.scene
+        document = state.document
+        try:
+            if (document.input, document.load) != self._input:
+                self.scene = self._reader(document)
+            else:
+                self._show(document)
+            self.scene.clip = state.clip
+            self.scene.bodies()  # a style or colour may turn out to be wrong only now
+        except ScuroError as error:
+            self.scene = before
+            self._show(self.document)
+            self.scene.clip = self.clip
+            self.message = str(error)
+            return False
+        self._input = document.input, document.load
+        self.message = ""
+        commit()
+        for watcher in list(self._watchers):
+            watcher.scene_changed()
+        return True
+
+    def _show(self, document: SceneFile) -> None:
+        document.show_in(self.scene)
+
+    def save(self, path: str | Path, document: SceneFile | None = None) -> None:
+        """Write a scene file.
+
+        Raises:
+            SaveError: It cannot be written.
+        """
+        write_scene_file(path, document or self.document)

@@ -1,0 +1,119 @@
+"""What is under the pointer: from the G-buffer's ids to words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.passes.frame import Frame
+from scuro.scene.geometry import Body, rotation_matrices
+from scuro.scene.molecule import Molecule
+from scuro.scene.scene import MoleculeItem, Scene
+from scuro.viewer.navigate import Size, unproject
+
+_NOTHING = 0xFFFFFFFF
+
+
+@dataclass(frozen=True)
+class Pick:
+    """A place on a surface of the scene."""
+
+    item: Any
+    """The scene's item it belongs to; ``None`` for bodies of no item."""
+    body: Body
+    instance: int
+    """Which copy of the body."""
+    element: int
+    """Number of the atom (or cell, …); -1 where the surface has none."""
+    position: tuple[float, float, float]
+    """World position on the surface, from the picture's depth."""
+
+    @property
+    def molecule(self) -> Molecule | None:
+        """The molecule that :attr:`element` numbers an atom of."""
+        is_atom = isinstance(self.item, MoleculeItem) and self.element >= 0
+        return self.item.molecule if is_atom else None
+
+    @property
+    def anchor(self) -> NDArray[np.float64]:
+        """(3,) world position of the atom's centre; of the surface where there is no atom."""
+        if self.molecule is None:
+            return np.asarray(self.position)
+        local = self.molecule.positions[self.element].astype(np.float64)
+        turn = rotation_matrices(self.body.rotations[self.instance][None])[0]
+        return turn @ local + self.body.positions[self.instance]
+
+    def same_place(self, other: Pick) -> bool:
+        """Whether both name the same atom (or cell) of the same copy."""
+        if self.element < 0:
+            return self.position == other.position
+        return (self.body.name, self.instance, self.element) == (
+            other.body.name,
+            other.instance,
+            other.element,
+        )
+
+
+def pick(frame: Frame, scene: Scene, x: float, y: float) -> Pick | None:
+    """What a drawn frame shows at (x, y), each 0 to 1 from the upper left; ``None`` if nothing.
+
+    Args:
+        frame: The last frame that was submitted.
+        scene: What it shows.
+    """
+    width, height = frame.size
+    column, row = min(int(x * width), width - 1), min(int(y * height), height - 1)
+    if column < 0 or row < 0:
+        return None
+    ids = frame.gpu.read_texel(frame.resources["ids"], column, row)
+    if ids[2] == _NOTHING:
+        return None
+    depth = float(frame.gpu.read_texel(frame.resources["surface"], column, row)[3])
+    pixel: Size = (column + 0.5, row + 0.5)
+    place = unproject(frame.camera, pixel, frame.size, depth)
+    item, body, first = _owner(scene, int(ids[2]))
+    element = int(ids[0].astype(np.int32))
+    return Pick(item, body, int(ids[1]) - first, element, _tuple(place))
+
+
+def _owner(scene: Scene, index: int) -> tuple[Any, Body, int]:
+    """The item of a body, the body, and the number of its first instance in the scene."""
+    first = 0
+    groups = [(item, item.bodies()) for item in scene.items if hasattr(item, "bodies")]
+    for item, bodies in [*groups, (None, scene.extra_bodies)]:
+        for body in bodies:
+            if index == 0:
+                return item, body, first
+            index -= 1
+            first += len(body.positions)
+    raise IndexError("the picture is older than the scene")
+
+
+def sentence(found: Pick) -> str:
+    """One line: the atom, its residue, chain and molecule; or the place in a model's tree."""
+    molecule = found.molecule
+    copy = f" · copy {found.instance + 1}" if len(found.body.positions) > 1 else ""
+    if molecule is not None:
+        return f"{atom_name(molecule, found.element)}{copy} · {molecule.name}"
+    if hasattr(found.item, "describe"):
+        return str(found.item.describe(found.element))
+    words = " › ".join(found.body.path or (found.body.name,))
+    element = f" · {found.element + 1}" if found.element >= 0 else ""
+    return f"{words}{copy}{element}"
+
+
+def atom_name(molecule: Molecule, atom: int) -> str:
+    """``ALA 42 CA · chain A``."""
+    residue = molecule.residue[atom]
+    number = f"{molecule.residue_number[residue]}{molecule.insertion_code[residue]}"
+    chain = molecule.chain_names[molecule.chain[atom]]
+    name = f"{molecule.residue_name[residue]} {number} {str(molecule.atom_name[atom]).strip()}"
+    return f"{name} · chain {chain}" if chain.strip() else name
+
+
+def _tuple(v: NDArray) -> tuple[float, float, float]:
+    x, y, z = v.tolist()
+    return x, y, z

@@ -1,0 +1,243 @@
+"""One person's view of the scene: camera, picture, selection. Knows no window and no panel."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+from scuro.errors import ScuroError
+from scuro.passes.frame import Frame
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.scene.camera import Camera
+from scuro.scene.view import ViewSettings, scene_points, view_camera
+from scuro.viewer import navigate
+from scuro.viewer.model import Model
+from scuro.viewer.pacing import GPU_TARGET, SOFTWARE_TARGET, Pacing, moving_size
+from scuro.viewer.pick import Pick, pick, sentence
+from scuro.viewer.refine import Step, coarse, steps
+from scuro.viewer.voxel import voxel_at, voxel_sentence
+
+REST = 0.25
+"""Seconds without a change after which the picture is no longer moving."""
+SPIN = 30.0
+"""Degrees a second."""
+
+
+class View:
+    """Draws a model's scene for one pair of eyes.
+
+    Args:
+        model: What is shown; shared with other views.
+        renderer: Draws for this view only; see :meth:`Renderer.sibling`.
+        size: Width and height of the picture in pixels.
+        clock: Seconds, for tests.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        renderer: Renderer,
+        size: tuple[int, int],
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self.model = model
+        self.renderer = renderer
+        self.size = size
+        self._clock = clock
+        software = renderer.gpu.info.software
+        self.pacing = Pacing(SOFTWARE_TARGET if software else GPU_TARGET)
+        self.camera = view_camera(model.scene, model.document.view, size[0] / size[1])
+        self.selection: list[Pick] = []
+        self.spinning = False
+        self.share = 0.0
+        """How far the picture is refined; 1 when it is the full one."""
+        self.frame: Frame | None = None
+        self.seconds = 0.0
+        """How long the last picture took."""
+        self.error = ""
+        self._moved = -1e9
+        self._spun = 0.0
+        self._steps: Iterator[Step] = iter(())
+        self.refresh()
+        model.watch(self)
+
+    # --- what is to be drawn -----------------------------------------------------------------
+
+    def refresh(self) -> None:
+        """The picture is out of date: draw anew, from the roughest step."""
+        self._steps = steps(self.full_settings)
+        self.share = 0.0
+
+    def move(self, camera: Camera) -> None:
+        """See the scene from elsewhere; the picture is rough until this stops."""
+        if camera != self.camera:
+            self.camera = camera
+            self.stir()
+
+    def stir(self) -> None:
+        """Something moves: pictures are rough until :data:`REST` seconds after the last call."""
+        self._moved = self._clock()
+        self.refresh()
+
+    def scene_changed(self) -> None:
+        """The model's scene, settings or clipping changed."""
+        self.selection = [p for p in self.selection if p.item in self.model.scene.items]
+        self.stir()
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """The picture has another size in pixels."""
+        if size != self.size:
+            self.size = size
+            self.stir()
+
+    @property
+    def full_settings(self) -> Settings:
+        """Of the picture that the view comes to rest at; ``scuro render`` makes the same one."""
+        return self.model.settings.replace(size=self.size)
+
+    @property
+    def moving(self) -> bool:
+        return self.spinning or self._clock() - self._moved < REST
+
+    @property
+    def wait(self) -> float | None:
+        """Seconds until :meth:`draw` has something to do; ``None`` if nothing changes."""
+        if self.share >= 1 and not self.spinning:
+            return None
+        if self.moving and self.share > 0 and not self.spinning:
+            # the rough picture of this place is drawn: wait for the next one, or for rest
+            return max(0.0, REST - (self._clock() - self._moved))
+        return 0.0
+
+    def draw(self) -> Frame | None:
+        """Draw the next picture on the way to the full one; the last one if there is none.
+
+        Returns:
+            The frame, submitted and done; ``None`` if the scene cannot be drawn as it is set, and
+            :attr:`error` says why.
+        """
+        if self.spinning:
+            self._spin()
+        if self.moving:
+            if self.share > 0:
+                return self.frame
+            scale = self.pacing.scale
+            settings = coarse(self.full_settings).replace(size=moving_size(self.size, scale))
+            self._draw(settings)
+            self.pacing.measured(self.seconds)
+            self.share = 0.01
+            return self.frame
+        step = next(self._steps, None)
+        if step is not None:
+            self._draw(step.settings)
+            self.share = step.share
+        return self.frame
+
+    def _draw(self, settings: Settings) -> None:
+        start = self._clock()
+        try:
+            frame = self.renderer.frame(self.model.scene, self.camera, settings)
+            self.renderer.timings = frame.recorder.submit()
+            self.renderer.gpu.finish()
+        except ScuroError as error:
+            self.frame, self.error = None, str(error)
+            self._steps = iter(())
+        else:
+            self.frame, self.error = frame, ""
+        self.seconds = self._clock() - start
+
+    def _spin(self) -> None:
+        now = self._clock()
+        if self._spun:
+            self.camera = self.camera.orbited(SPIN * min(now - self._spun, 0.5), 0)
+        self._spun = now
+        self.refresh()
+
+    def toggle_spin(self) -> None:
+        """Start or stop turning about the vertical."""
+        self.spinning = not self.spinning
+        self._spun = 0.0
+        self.stir()
+
+    def fit(self) -> None:
+        """See all of the scene from the same side."""
+        scene = self.model.scene
+        points = scene_points(scene)
+        aspect = self.size[0] / self.size[1]
+        bounds = scene.bounds()
+        self.move(navigate.fit(self.camera, bounds, aspect, points if len(points) else None))
+
+    # --- what is under the pointer -----------------------------------------------------------
+
+    def pick(self, x: float, y: float) -> Pick | None:
+        """The surface at (x, y), each 0 to 1 from the upper left; ``None`` if there is none."""
+        if self.frame is None:
+            return None
+        return pick(self.frame, self.model.scene, x, y)
+
+    def describe(self, x: float, y: float) -> str:
+        """What is there in words: an atom, a cell, a voxel; empty if nothing."""
+        found = self.pick(x, y)
+        if found is not None:
+            return sentence(found)
+        voxel = self._voxel(x, y)
+        if voxel is None:
+            return ""
+        item, (index, value, _) = voxel
+        return voxel_sentence(item, index, value)
+
+    def depth(self, x: float, y: float) -> float:
+        """Distance along the viewing direction of what is seen there; the target's if nothing."""
+        found = self.pick(x, y)
+        if found is not None:
+            point = navigate.project(self.camera, [found.position], self.size)
+            return float(point[0, 2])
+        voxel = self._voxel(x, y)
+        return self.camera.distance if voxel is None else voxel[1][2]
+
+    def _voxel(self, x: float, y: float) -> Any:
+        pixel = (x * self.size[0], y * self.size[1])
+        for item in self.model.scene.volumes:
+            found = voxel_at(
+                item, self.model.settings.volume, self.model.clip, self.camera, pixel, self.size
+            )
+            if found is not None:
+                return item, found
+        return None
+
+    def select(self, found: Pick | None, add: bool = False) -> None:
+        """Select what was picked, or nothing; with ``add``, besides what is selected."""
+        if found is None:
+            self.selection = self.selection if add else []
+            return
+        again = [p for p in self.selection if p.same_place(found)]
+        if add and again:
+            self.selection.remove(again[0])
+        else:
+            self.selection = [*(self.selection if add else []), found]
+
+    # --- for files ---------------------------------------------------------------------------
+
+    def view_settings(self) -> ViewSettings:
+        """The camera as settings, for scene files and pictures."""
+        camera = self.camera
+        up = camera.view_from_world()[1, :3].tolist()
+        fov = camera.fov
+        if camera.height is not None:
+            # an orthographic view is stored by its height at the target: the angle gives it back
+            fov = math.degrees(2 * math.atan(camera.height / 2 / camera.distance))
+        return ViewSettings(
+            position=camera.position,
+            target=camera.target,
+            up=(up[0], up[1], up[2]),
+            fov=min(160.0, max(0.1, fov)),
+            orthographic=camera.orthographic,
+        )
+
+    def document(self) -> Any:
+        """The model's document as this view sees it, at this size."""
+        return replace(self.model.document, view=self.view_settings(), settings=self.full_settings)

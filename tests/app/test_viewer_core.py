@@ -1,0 +1,281 @@
+"""The viewer without a window: history, camera, pacing, picking, clipping by handles."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from scuro.export.scene_file import Input, SceneFile, Show, read_scene_file
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.scene.camera import Camera
+from scuro.scene.clip import Clip, Plane
+from scuro.viewer import navigate
+from scuro.viewer.controls import Controls
+from scuro.viewer.handles import Handles
+from scuro.viewer.model import Model
+from scuro.viewer.pacing import SMALLEST, Pacing, moving_size
+from scuro.viewer.pick import sentence
+from scuro.viewer.refine import coarse, steps
+from scuro.viewer.view import REST, View
+
+SIZE = (160, 120)
+
+
+class Clock:
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture(scope="module")
+def renderer():
+    return Renderer()
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def view(renderer, clock):
+    document = SceneFile(input=(Input(path="sample:1hpv"),), show=(Show(style="spacefill"),))
+    return View(Model(document), renderer.sibling(), SIZE, clock)
+
+
+@pytest.fixture
+def controls(view):
+    made = Controls(view, Handles(view))
+    made.logical = SIZE
+    return made
+
+
+def event(kind, x=80.0, y=60.0, button=1, modifiers=(), **more):
+    return {
+        "event_type": kind, "x": x, "y": y, "button": button, "modifiers": modifiers, **more
+    }  # fmt: skip
+
+
+def rest(view, clock):
+    """Let the view come to rest and refine to the end."""
+    clock.now += 2 * REST
+    for _ in range(10):
+        view.draw()
+        if view.wait is None:
+            return view.frame
+    raise AssertionError("the picture never comes to rest")
+
+
+def pixels(view):
+    return view.renderer.gpu.read_texture(view.frame.resources["picture"])
+
+
+def test_undo_takes_back_a_whole_gesture_and_redo_brings_it_again(view):
+    model = view.model
+    before = model.settings
+    for strength in (1.5, 2.0, 2.5):
+        settings = model.settings.replace(occlusion__strength=strength)
+        assert model.change("drag", settings=settings)
+    model.history.end_gesture()
+    model.change(settings=model.settings.replace(background="black"))
+    model.undo()
+    assert model.settings.occlusion.strength == 2.5 and model.settings.background == "white"
+    model.undo()
+    assert model.settings == before and not model.history.can_undo
+    model.redo()
+    model.redo()
+    assert model.settings.background == "black" and not model.history.can_redo
+
+
+def test_a_change_that_cannot_be_leaves_all_as_it_was_and_says_why(view):
+    model = view.model
+    bodies = model.scene.bodies()
+    assert not model.change(show=(Show(select="chain Q and nonsense("),))
+    assert model.message and model.document.show == (Show(style="spacefill"),)
+    assert model.scene.bodies() == bodies and not model.history.can_undo
+
+
+def test_all_views_see_a_change_each_with_its_own_camera(view, renderer, clock):
+    other = View(view.model, renderer.sibling(), (64, 48), clock)
+    rest(view, clock), rest(other, clock)
+    eye = other.camera
+    view.move(navigate.orbit(view.camera, (30, 0), SIZE))
+    assert other.camera == eye and other.wait is None and view.wait == 0.0
+    view.model.change(settings=view.model.settings.replace(background="black"))
+    assert other.wait == 0.0
+
+
+def test_a_moving_picture_is_smaller_and_a_resting_one_is_what_render_makes(view, clock, renderer):
+    view.move(navigate.orbit(view.camera, (20, 10), SIZE))
+    assert view.draw().size == moving_size(SIZE, 0.5)
+    assert view.share < 1 and 0 < view.wait <= REST
+    frame = rest(view, clock)
+    assert frame.size == SIZE and view.share == 1
+    expected = renderer.render(view.model.scene, view.camera, view.full_settings)
+    assert (pixels(view) == expected.pixels).all()
+
+
+def test_refinement_multiplies_samples_and_ends_with_the_settings_themselves():
+    settings = Settings().replace(occlusion__technique="ray", occlusion__samples=100)
+    made = list(steps(settings))
+    assert [s.settings.occlusion.samples for s in made] == [4, 16, 100]
+    assert [s.share for s in made] == [0.04, 0.16, 1.0] and made[-1].settings == settings
+    assert coarse(settings).occlusion.samples == 4
+    assert list(steps(Settings()))[0].settings == Settings()
+
+
+def test_pacing_holds_the_frame_time_of_a_machine_whose_time_goes_with_pixels():
+    for full in (0.02, 0.3, 2.0, 60.0):
+        pacing = Pacing(0.1)
+        seen = []
+        for _ in range(30):
+            seen.append(pacing.scale)
+            pacing.measured(full * pacing.scale**2)
+        took = full * pacing.scale**2
+        assert took <= 0.1 or pacing.scale == SMALLEST
+        assert took >= 0.05 or pacing.scale == 1.0 or full > 2
+        assert len(set(seen[-5:])) == 1, "the resolution flickers"
+
+
+def test_orbit_keeps_the_target_and_zoom_keeps_the_point_under_the_pointer():
+    for height in (None, 12.0):
+        camera = Camera((3, 4, 20), (1, 1, 0), (0, 1, 0), 40, height)
+        turned = navigate.orbit(camera, (35, -20), SIZE)
+        assert turned.target == camera.target
+        assert turned.distance == pytest.approx(camera.distance)
+        point = navigate.unproject(camera, (130, 30), SIZE, 15)
+        assert navigate.project(camera, [point], SIZE)[0] == pytest.approx([130, 30, 15])
+        nearer = navigate.zoom(camera, 2.0, point)
+        assert navigate.project(nearer, [point], SIZE)[0, :2] == pytest.approx([130, 30])
+        assert navigate.pixel_size(nearer, SIZE) < navigate.pixel_size(camera, SIZE)
+        moved = navigate.pan(camera, (10, 5), SIZE, 15)
+        assert navigate.project(moved, [point], SIZE)[0, :2] == pytest.approx([140, 35])
+
+
+def test_a_drag_turns_what_is_in_front_with_the_pointer():
+    camera = Camera((0, 0, 20), (0, 0, 0))
+    front = [(0.0, 0.0, 2.0)]
+    x, y, _ = navigate.project(navigate.orbit(camera, (10, 10), SIZE), front, SIZE)[0]
+    assert x > 80 and y > 60
+
+
+def test_axis_views_and_fit(view, clock):
+    for axis, column in (("x", 0), ("y", 1), ("z", 2)):
+        back = navigate.along_axis(view.camera, axis).view_from_world()[2, :3]
+        assert back[column] == pytest.approx(1)
+        away = navigate.along_axis(view.camera, axis, opposite=True).view_from_world()[2, :3]
+        assert away[column] == pytest.approx(-1)
+    view.move(navigate.zoom(view.camera, 30, view.camera.target))
+    view.fit()
+    rest(view, clock)
+    ids = view.renderer.gpu.read_texture(view.frame.resources["ids"])[..., 2]
+    assert (ids[0] == 0xFFFFFFFF).all() and (ids[60] != 0xFFFFFFFF).any()
+
+
+def test_a_click_names_the_atom_that_the_ids_say_and_shift_adds(view, controls, clock):
+    rest(view, clock)
+    ids = view.renderer.gpu.read_texture(view.frame.resources["ids"])
+    atom = int(ids[60, 80, 0])
+    for kind in ("pointer_down", "pointer_up"):
+        controls.handle(event(kind, 80.5, 60.5))
+    molecule = view.model.scene.molecules[0].molecule
+    found = view.selection[0]
+    assert found.element == atom
+    words = sentence(found)
+    residue = molecule.residue[atom]
+    assert molecule.residue_name[residue] in words and str(molecule.atom_name[atom]) in words
+    assert np.linalg.norm(found.anchor - found.position) < 2.2, "not on that atom's sphere"
+    for kind in ("pointer_down", "pointer_up"):
+        controls.handle(event(kind, 90.5, 60.5, modifiers=("Shift",)))
+    assert len(view.selection) == 2
+    for kind in ("pointer_down", "pointer_up"):
+        controls.handle(event(kind, 1, 1))
+    assert view.selection == [] and view.describe(0.01, 0.01) == ""
+
+
+def test_double_click_centres_on_the_atom(view, controls, clock):
+    rest(view, clock)
+    found = view.pick(0.55, 0.45)
+    controls.handle(event("double_click", 0.55 * 160, 0.45 * 120))
+    assert view.camera.target == pytest.approx(tuple(found.anchor))
+
+
+def test_drag_pan_and_wheel_move_the_camera(view, controls, clock):
+    rest(view, clock)
+    cameras = [view.camera]
+    for button, modifiers in ((1, ()), (2, ()), (1, ("Control",))):
+        controls.handle(event("pointer_down", 80, 60, button, modifiers))
+        controls.handle(event("pointer_move", 95, 66, 0))
+        controls.handle(event("pointer_up", 95, 66, button))
+        cameras.append(view.camera)
+    controls.handle(event("wheel", dy=-200.0, dx=0.0))
+    cameras.append(view.camera)
+    assert len(set(cameras)) == 5
+    assert cameras[1].target == cameras[0].target and cameras[2].target != cameras[1].target
+    assert cameras[4].distance < cameras[3].distance
+
+
+def test_keys_turn_undo_and_add_planes(view, controls):
+    def press(key, *modifiers):
+        controls.handle(event("key_down", key=key, modifiers=modifiers))
+
+    press("x")
+    assert view.camera.view_from_world()[2, 0] == pytest.approx(1)
+    press("o")
+    assert view.camera.orthographic
+    press("c")
+    assert len(view.model.clip.planes) == 1
+    normal = np.array(view.model.clip.planes[0].normal)
+    press("v")
+    assert (np.array(view.model.clip.planes[0].normal) == -normal).all()
+    press("b")
+    assert len(view.model.clip.planes) == 7
+    press("z", "Control")
+    press("z", "Control")
+    press("z", "Control")
+    assert view.model.clip == Clip()
+    press("y", "Control")
+    assert len(view.model.clip.planes) == 1
+    press("Delete")
+    assert view.model.clip == Clip()
+
+
+def test_a_clip_handle_pushes_its_plane_and_one_undo_takes_the_drag_back(view, controls, clock):
+    rest(view, clock)
+    before = pixels(view).copy()
+    target = view.camera.target
+    view.model.change(clip=Clip((Plane(target, (1.0, 0.0, 0.0)),)))
+    knob = navigate.project(view.camera, [target], SIZE)[0]
+    controls.handle(event("pointer_down", knob[0], knob[1]))
+    for x in (5, 10, 20):
+        controls.handle(event("pointer_move", knob[0] + x, knob[1], 0))
+    controls.handle(event("pointer_up", knob[0] + 20, knob[1]))
+    plane = view.model.clip.planes[0]
+    moved = navigate.project(view.camera, [plane.point], SIZE)[0]
+    assert moved[:2] == pytest.approx([knob[0] + 20, knob[1]], abs=0.01)
+    rest(view, clock)
+    assert (pixels(view) != before).any(axis=-1).mean() > 0.1
+    view.model.undo()
+    assert view.model.clip.planes[0].point == target
+    # the far end of the stalk tilts
+    end = next(h for h in controls.handles.all() if h.kind == "tilt")
+    place = navigate.project(view.camera, [end.world], SIZE)[0]
+    controls.handle(event("pointer_down", place[0], place[1]))
+    controls.handle(event("pointer_move", place[0], place[1] - 10, 0))
+    controls.handle(event("pointer_up", place[0], place[1] - 10))
+    assert view.model.clip.planes[0].equation()[1] > 0.2
+
+
+def test_the_saved_view_is_the_view(view, controls, clock, tmp_path, renderer):
+    for height in (None, 25.0):
+        view.move(replace(navigate.orbit(view.camera, (33, 12), SIZE), height=height))
+        rest(view, clock)
+        view.model.save(tmp_path / "scene.toml", view.document())
+        again = read_scene_file(tmp_path / "scene.toml")
+        other = View(Model(again), renderer.sibling(), again.settings.size, clock)
+        rest(other, clock)
+        difference = np.abs(pixels(other).astype(int) - pixels(view))
+        assert (difference > 8).any(axis=-1).mean() < 0.01
