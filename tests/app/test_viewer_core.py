@@ -124,7 +124,7 @@ def test_refinement_multiplies_samples_and_ends_with_the_settings_themselves():
     assert [s.settings.occlusion.samples for s in made] == [4, 16, 100]
     assert [s.share for s in made] == [0.04, 0.16, 1.0] and made[-1].settings == settings
     assert coarse(settings).occlusion.samples == 4
-    assert list(steps(Settings()))[0].settings == Settings()
+    assert next(steps(Settings())).settings == Settings()
 
 
 def test_pacing_holds_the_frame_time_of_a_machine_whose_time_goes_with_pixels():

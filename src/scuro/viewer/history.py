@@ -16,7 +16,7 @@ class State:
     """Everything about a scene that people change and may want back."""
 
     document: SceneFile
-    clip: Clip = Clip()
+    clip: Clip = field(default_factory=Clip)
 
 
 @dataclass
