@@ -8,12 +8,13 @@ from typing import Any
 
 from scuro.gpu import Gpu, Timings
 from scuro.image import Image
-from scuro.passes.compose.lighting import lighting_of, lights_uniform
+from scuro.passes.compose.lighting import lighting_of, lights_uniform, with_implied
 from scuro.passes.compose.shade import encode, shade
 from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion
 from scuro.passes.semantic.pipeline import shade_semantic
+from scuro.passes.shadow.shadow import draw_shadows
 from scuro.passes.volume.frame import Volumes
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
@@ -67,6 +68,7 @@ class Renderer:
 
     def frame(self, scene: Scene, camera: Camera, settings: Settings) -> Frame:
         """Record one frame: geometry, occlusion, shadow, compose. Nothing is submitted yet."""
+        settings = with_implied(settings)
         accelerator = self.accelerator(scene)
         resources, constants = accelerator.clipped(scene.clip)
         frame = Frame(
@@ -85,7 +87,7 @@ class Renderer:
             camera, accelerator.center, settings.size, seed=settings.seed
         )
         frame.resources["lights"] = lights_uniform(
-            lighting, camera, accelerator.center, shadows=False
+            lighting, camera, accelerator.center, shadows=settings.shadows.technique != "none"
         )
         frame.constants["LOCAL_LIGHTS"] = any(
             light.kind != DIRECTIONAL for light in lighting.lights
@@ -93,6 +95,7 @@ class Renderer:
         draw_visibility(frame)
         if settings.semantic.mode == "off":
             draw_occlusion(frame)
+            draw_shadows(frame)
             shade(frame)
         else:
             shade_semantic(frame, scene.hierarchy())

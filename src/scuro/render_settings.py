@@ -5,6 +5,7 @@ from __future__ import annotations
 from scuro.passes.compose.lighting import LightingSettings
 from scuro.passes.occlusion.occlusion import OcclusionSettings
 from scuro.passes.semantic.settings import SemanticSettings
+from scuro.passes.shadow.shadow import ShadowSettings
 from scuro.passes.volume.settings import VolumeSettings
 from scuro.settings import SettingsGroup, setting
 
@@ -22,5 +23,6 @@ class Settings(SettingsGroup):
     seed: int = setting(0, "seed of all random sequences", low=0, high=2**31 - 1)
     lighting: LightingSettings = LightingSettings()
     occlusion: OcclusionSettings = OcclusionSettings()
+    shadows: ShadowSettings = ShadowSettings()
     volume: VolumeSettings = VolumeSettings()
     semantic: SemanticSettings = SemanticSettings()

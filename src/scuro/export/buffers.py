@@ -97,7 +97,7 @@ def _position(frame: Frame) -> NDArray[np.float32]:
 def _scalar(name: str) -> Callable[[Frame], NDArray]:
     def read(frame: Frame) -> NDArray[np.float32]:
         values = _texture(frame, name).astype(np.float32)
-        return values if values.ndim == 2 else values.mean(axis=-1)
+        return values if values.ndim == 2 else values.mean(axis=0)  # over layers
 
     return read
 

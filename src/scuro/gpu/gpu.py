@@ -464,11 +464,11 @@ class Recorder:
         """Fill a buffer with zeros."""
         self._encoder.clear_buffer(buffer)
 
-    def copy_texture(self, source: Any, target: Any) -> None:
-        """Copy one texture into another of the same size and format."""
+    def copy_texture(self, source: Any, target: Any, *, layer: int = 0) -> None:
+        """Copy one texture into another of the same size and format, or into a layer of it."""
         self._encoder.copy_texture_to_texture(
             {"texture": source, "mip_level": 0, "origin": (0, 0, 0)},
-            {"texture": target, "mip_level": 0, "origin": (0, 0, 0)},
+            {"texture": target, "mip_level": 0, "origin": (0, 0, layer)},
             source.size,
         )
 

@@ -153,7 +153,8 @@ fn walk_start(grid: Grid, ray: Ray, t_min: f32, t_max: f32) -> Walk {
     walk.stride = select(vec3i(-1, -row, -layer), vec3i(1, row, layer), forward);
     walk.t_next = (edge - ray.origin) * inverse;
     walk.t_step = abs(grid.cell * inverse);
-    walk.t_end = t1;
+    // a sliver less: crossings are sums of steps, and must not round to one more step out of the grid
+    walk.t_end = t1 - 1e-3 * grid.cell;
     return walk;
 }
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,46 +13,96 @@ from scuro.scene.camera import Camera
 from scuro.scene.lights import DIRECTIONAL, KINDS, Light, Lighting
 from scuro.settings import SettingsGroup, setting
 
+if TYPE_CHECKING:
+    from scuro.render_settings import Settings
+
 MAX_LIGHTS = 16
 """As in wgsl/lights.wgsl."""
 
 _KEY = (0.55, -0.75, -0.85)
 """From the upper left, in front: the habit of illustrators."""
 
-# Strengths of simple, full, soft, gentle and flat are ChimeraX's (std_commands/lighting)
+
+def _exposed(*lights: Light, ambient: float) -> Lighting:
+    """Lights scaled together so that white, turned to them best and unshadowed, just fits.
+
+    ChimeraX's strengths are for pictures that add light in sRGB and clip what is beyond white; in
+    linear light their proportions stay and nothing clips but highlights.
+    """
+    normals = np.random.default_rng(0).normal(size=(2000, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals[:, 2] = np.abs(normals[:, 2])  # those that the viewer sees
+    sum_ = np.full(len(normals), ambient)
+    for light in lights:
+        to_light = -np.asarray(light.direction) / np.linalg.norm(light.direction)
+        sum_ += light.intensity * np.maximum(normals @ to_light, 0)
+    scale = _WHITE / float(sum_.max())
+    return Lighting(
+        tuple(light.replace(intensity=light.intensity * scale) for light in lights),
+        ambient * scale,
+    )
+
+
+_WHITE = 0.92
+"""Linear light of white at its brightest; sRGB 245."""
+
+_CHIMERA_KEY = (1, -1, -1)
+_CHIMERA_FILL = (-0.2, -0.2, -0.959)
+
+# Proportions of simple, full, soft, gentle and flat are ChimeraX's (std_commands/lighting)
 PRESETS: dict[str, Lighting] = {
-    "studio": Lighting(
-        (
-            Light(direction=_KEY, intensity=0.72, name="key"),
-            Light(direction=(-0.9, -0.1, -0.6), intensity=0.18, shadow=False, name="fill"),
-            Light(direction=(-0.3, -0.6, 0.75), intensity=0.30, shadow=False, name="back"),
-        ),
+    "studio": _exposed(
+        Light(direction=_KEY, intensity=0.72, name="key"),
+        Light(direction=(-0.9, -0.1, -0.6), intensity=0.18, shadow=False, name="fill"),
+        Light(direction=(-0.3, -0.6, 0.75), intensity=0.30, shadow=False, name="back"),
         ambient=0.42,
     ),
-    "simple": Lighting(
-        (
-            Light(direction=(1, -1, -1), intensity=1.0, name="key"),
-            Light(direction=(-0.2, -0.2, -0.959), intensity=0.5, shadow=False, name="fill"),
-        ),
+    "simple": _exposed(
+        Light(direction=_CHIMERA_KEY, intensity=1.0, name="key"),
+        Light(direction=_CHIMERA_FILL, intensity=0.5, shadow=False, name="fill"),
         ambient=0.4,
     ),
-    "full": Lighting(
-        (
-            Light(direction=(1, -1, -1), intensity=0.7, name="key"),
-            Light(direction=(-0.2, -0.2, -0.959), intensity=0.3, shadow=False, name="fill"),
-        ),
+    "full": _exposed(
+        Light(direction=_CHIMERA_KEY, intensity=0.7, name="key"),
+        Light(direction=_CHIMERA_FILL, intensity=0.3, shadow=False, name="fill"),
+        Light(direction=(-0.3, -0.6, 0.75), intensity=0.25, shadow=False, name="back"),
         ambient=0.8,
     ),
-    "soft": Lighting((), ambient=1.5),
-    "gentle": Lighting((), ambient=1.5),
-    "flat": Lighting((), ambient=1.45),
+    "soft": _exposed(ambient=1.5),
+    "gentle": _exposed(
+        Light(direction=_CHIMERA_FILL, intensity=0.5, shadow=False, name="fill"), ambient=1.2
+    ),
+    "flat": _exposed(ambient=1.45),
 }
+
+IMPLIED: dict[str, dict[str, str]] = {
+    "full": {"occlusion": "ray", "shadows": "area"},
+    "soft": {"occlusion": "ray"},
+    "gentle": {"occlusion": "ray"},
+}
+"""Techniques that a set-up brings along where the settings say ``auto``; none otherwise."""
+
+
+def with_implied(settings: Settings) -> Settings:
+    """Settings whose ``auto`` techniques are those that the lighting implies."""
+    implied = IMPLIED.get(settings.lighting.preset, {})
+    changes = {
+        f"{group}__technique": implied.get(group, "none")
+        for group in ("occlusion", "shadows")
+        if getattr(settings, group).technique == "auto"
+    }
+    return settings.replace(**changes)
 
 
 class LightingSettings(SettingsGroup):
     """Light: a named set-up and corrections to it."""
 
-    preset: str = setting("studio", "set-up of lights", choices=tuple(PRESETS), main=True)
+    preset: str = setting(
+        "studio",
+        "set-up of lights; full, soft and gentle bring their occlusion and shadows along",
+        choices=tuple(PRESETS),
+        main=True,
+    )
     key: float = setting(1.0, "factor on the first light", low=0, high=10)
     fill: float = setting(1.0, "factor on all other lights", low=0, high=10)
     ambient: float = setting(1.0, "factor on the ambient light", low=0, high=10)
@@ -62,12 +112,7 @@ def lighting_of(settings: LightingSettings, own: Lighting | None) -> Lighting:
     """The lights to use: a scene's own, or the preset; corrected by the settings' factors."""
     base = own or PRESETS[settings.preset]
     lights = tuple(
-        Light(
-            **{
-                **light.__dict__,
-                "intensity": light.intensity * (settings.key if i == 0 else settings.fill),
-            }
-        )
+        light.replace(intensity=light.intensity * (settings.key if i == 0 else settings.fill))
         for i, light in enumerate(base.lights)
     )
     return Lighting(lights, base.ambient * settings.ambient, base.ambient_color)

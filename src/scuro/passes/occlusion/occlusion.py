@@ -18,7 +18,10 @@ class OcclusionSettings(SettingsGroup):
     """Ambient occlusion: how much of the surroundings each point sees."""
 
     technique: str = setting(
-        "none", "ambient occlusion technique", choices=("none", *TECHNIQUES), main=True
+        "auto",
+        "ambient occlusion technique; auto follows the lighting",
+        choices=("auto", "none", *TECHNIQUES),
+        main=True,
     )
     samples: int | None = setting(
         None, "samples a pixel, where the technique samples; its own default otherwise", low=1,

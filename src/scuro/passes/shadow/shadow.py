@@ -1,0 +1,59 @@
+"""Shadows: a technique by name fills ``shadow``, a layer a light, 1 = lit (Easdon 2013, ch. 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+from scuro.passes.frame import Frame
+from scuro.settings import SettingsGroup, setting
+
+TECHNIQUES = {
+    "hard": "scuro.passes.shadow.ray:draw_hard",
+    "area": "scuro.passes.shadow.ray:draw_area",
+}
+"""Technique by name -> function ``(frame, light index)`` that fills the target ``shadow_light``."""
+
+
+class ShadowSettings(SettingsGroup):
+    """Shadows of the lights that cast them (``shadow`` of each light)."""
+
+    technique: str = setting(
+        "auto",
+        "shadow technique; auto follows the lighting",
+        choices=("auto", "none", *TECHNIQUES),
+        main=True,
+    )
+    light_size: float = setting(
+        3.0,
+        "angular radius of lights that have no size of their own (soft, area)",
+        low=0,
+        high=45,
+        unit="deg",
+    )
+    samples: int | None = setting(None, "rays a pixel to each light (area)", low=1, high=4096)
+    filter: bool = setting(True, "smooth few samples (area)")
+
+
+def draw_shadows(frame: Frame) -> None:
+    """Fill ``shadow`` by the technique of the settings, if any light casts one."""
+    technique = frame.settings.shadows.technique
+    lights = frame.resources["lights"]["list"]
+    casting = [i for i, light in enumerate(lights) if light["shadow"] >= 0]
+    if technique == "none" or not casting:
+        return
+    layers = frame.targets.get("shadow", (*frame.size, len(casting)), "r32float")
+    for index in casting:
+        frame.target("shadow_light", "r32float", clear=(1, 1, 1, 1))
+        _function(TECHNIQUES[technique])(frame, index)
+        frame.recorder.copy_texture(
+            frame.resources["shadow_light"], layers, layer=lights[index]["shadow"]
+        )
+    frame.resources["shadow"] = layers
+
+
+def _function(place: str) -> Callable[[Frame, int], Any]:
+    module, name = place.split(":")
+    found: Callable[[Frame, int], Any] = getattr(import_module(module), name)
+    return found
