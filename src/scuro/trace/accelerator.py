@@ -18,7 +18,7 @@ from scuro.gpu import Gpu
 from scuro.scene.clip import MAX_PLANES, Clip
 from scuro.scene.geometry import Body, rotation_matrices
 from scuro.trace.pack import PackedGeometry, pack_geometry
-from scuro.trace.table import float_table, padded_bytes, table, table_bytes, table_from_buffer
+from scuro.trace.table import empty_table, float_table, padded_bytes, table, table_bytes, table_from_buffer
 
 GRID = np.dtype(
     [("origin", np.float32, 3), ("cell", np.float32), ("dims", np.uint32, 3), ("cells", np.uint32)]
@@ -130,7 +130,7 @@ def build_accelerator(
     instances, spheres = _instances(bodies, center, packed)
     items.insert(0, np.stack([np.arange(len(instances)), np.zeros(len(instances))], 1))
     slot_table = float_table(gpu, _joined(slots, (0, 4), np.float32), "primitives")
-    cells, refs = _build_grids(
+    cells, refs, entries = _build_grids(
         gpu, _joined(items, (0, 2), np.uint32), grids, slot_table, spheres, cell_count
     )
     objects = np.zeros(max(1, len(bodies)), OBJECT)
@@ -143,6 +143,7 @@ def build_accelerator(
         "attributes": table(gpu, _joined(attributes, (0, 4), np.uint32), "attributes"),
         "cells": cells,
         "refs": refs,
+        "entries": entries,
         "instances": table(gpu, instances.view(np.uint32).reshape(-1, 4), "instances"),
         "objects": table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects"),
     }
@@ -291,8 +292,8 @@ def _build_grids(
     slots: Any,
     spheres: NDArray[np.float32],
     cell_count: int,
-) -> tuple[Any, Any]:
-    """The ``cells`` and ``refs`` tables of all grids together."""
+) -> tuple[Any, Any, Any]:
+    """The ``cells``, ``refs`` and ``entries`` tables of all grids together."""
     counts = gpu.buffer(4 * cell_count, label="grid counts")
     cells = gpu.buffer(padded_bytes(cell_count), label="grid cells")
     placeholder = gpu.buffer(16)
@@ -327,4 +328,18 @@ def _build_grids(
     recorder.submit()
     run("fill", len(items))
     run("finish", cell_count)
-    return table_from_buffer(gpu, cells, cell_count), table_from_buffer(gpu, refs, total)
+    ref_table = table_from_buffer(gpu, refs, total)
+    entries = empty_table(gpu, total, "rgba32float", "grid entries")
+    for first in range(0, total, 65535 * 64):
+        gpu.compute(
+            "trace/copy.wgsl",
+            "main",
+            (min(65535 * 64, total - first),),
+            {
+                "copying": {"first": first, "count": total},
+                "slots": slots,
+                "ref_table": ref_table,
+                "entry_table": entries,
+            },
+        )
+    return table_from_buffer(gpu, cells, cell_count), ref_table, entries

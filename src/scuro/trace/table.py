@@ -27,9 +27,14 @@ def _rows(gpu: Gpu, count: int, what: str) -> int:
     return rows
 
 
+def empty_table(gpu: Gpu, count: int, format: str, what: str) -> Any:
+    """A table of ``count`` entries for shaders to write."""
+    rows = _rows(gpu, count, what)
+    return gpu.texture((WIDTH if rows > 1 else max(1, count), rows), format, label=what)
+
+
 def _filled(gpu: Gpu, data: NDArray, format: str, what: str) -> Any:
-    rows = _rows(gpu, len(data), what)
-    texture = gpu.texture((WIDTH if rows > 1 else max(1, len(data)), rows), format, label=what)
+    texture = empty_table(gpu, len(data), format, what)
     whole = len(data) // WIDTH
     if whole:
         gpu.write_texture(texture, data[: whole * WIDTH].reshape(whole, WIDTH, -1))

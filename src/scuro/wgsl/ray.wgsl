@@ -22,11 +22,9 @@ fn sphere_span(ray: Ray, center: vec3f, radius: f32) -> Span {
     let along = dot(to_center, ray.direction);
     let off = to_center - along * ray.direction;
     let square = radius * radius - dot(off, off);
-    if (square < 0.0) {
-        return MISS;
-    }
-    let half = sqrt(square);
-    return Span(along - half, along + half);
+    let half = sqrt(max(square, 0.0));
+    let met = square >= 0.0;
+    return Span(select(NOTHING, along - half, met), select(-NOTHING, along + half, met));
 }
 
 // A solid cylinder with flat ends at a and b.

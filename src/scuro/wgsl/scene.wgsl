@@ -62,11 +62,14 @@ struct Scene {
 // spheres: (center, radius); rods and cones: two slots; triangles: three (w unused)
 @group(1) @binding(1) var slots: texture_2d<f32>;
 @group(1) @binding(2) var cells: texture_2d<u32>;
+// primitives of the cells of geometries, instances of those of the grid over instances
 @group(1) @binding(3) var refs: texture_2d<u32>;
 // two texels an instance
 @group(1) @binding(4) var instances: texture_2d<u32>;
 // OBJECT_TEXELS an object
 @group(1) @binding(5) var objects: texture_2d<u32>;
+// what refs refer to: a sphere (radius negative: last of its cell), or another primitive
+@group(1) @binding(7) var entries: texture_2d<f32>;
 
 const OBJECT_TEXELS: u32 = 5u;
 

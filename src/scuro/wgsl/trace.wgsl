@@ -10,9 +10,6 @@
 //#include "ray.wgsl"
 //#include "scene.wgsl"
 
-const NEAREST: u32 = 0u;
-const ANY: u32 = 1u;
-
 struct Hit {
     t: f32,
     // kind and slot; NO_PRIMITIVE for a miss
@@ -55,6 +52,22 @@ fn kept_interval(ray: Ray) -> Kept {
     return kept;
 }
 
+// A primitive as a cell lists it: spheres are copied whole, so that testing one is a single fetch.
+struct Entry {
+    sphere: vec4f,
+    // of other primitives; NO_PRIMITIVE for a sphere
+    primitive: u32,
+    last: bool,
+}
+
+fn entry_at(index: u32) -> Entry {
+    let texel = textureLoad(entries, table_place(index), 0);
+    if ((HAS_RODS || HAS_TRIANGLES) && texel.w == 0.0) {
+        return Entry(vec4f(0.0), u32(texel.x) | (u32(texel.y) << 16u), texel.z != 0.0);
+    }
+    return Entry(vec4f(texel.xyz, abs(texel.w)), NO_PRIMITIVE, texel.w < 0.0);
+}
+
 // Entry and exit of one primitive.
 fn primitive_span(ray: Ray, primitive: u32) -> Span {
     let slot = slot_of(primitive);
@@ -75,12 +88,20 @@ fn primitive_span(ray: Ray, primitive: u32) -> Span {
     return sphere_span(ray, a.xyz, a.w);
 }
 
-// How deep p lies in a solid primitive: 0 on its axis or center, 1 on its surface.
-fn primitive_depth(p: vec3f, primitive: u32) -> f32 {
-    let slot = slot_of(primitive);
-    let a = slot_at(slot);
-    var center = a;
-    if (HAS_RODS && kind_of(primitive) != SPHERE) {
+fn entry_span(ray: Ray, entry: Entry) -> Span {
+    var span = sphere_span(ray, entry.sphere.xyz, entry.sphere.w);
+    if ((HAS_RODS || HAS_TRIANGLES) && entry.primitive != NO_PRIMITIVE) {
+        span = primitive_span(ray, entry.primitive);
+    }
+    return span;
+}
+
+// How deep p lies in a solid: 0 on its axis or center, 1 on its surface.
+fn entry_depth(p: vec3f, entry: Entry) -> f32 {
+    var center = entry.sphere;
+    if (HAS_RODS && entry.primitive != NO_PRIMITIVE) {
+        let slot = slot_of(entry.primitive);
+        let a = slot_at(slot);
         let b = slot_at(slot + 1u);
         let axis = b.xyz - a.xyz;
         let h = saturate(dot(p - a.xyz, axis) / dot(axis, axis));
@@ -89,27 +110,40 @@ fn primitive_depth(p: vec3f, primitive: u32) -> f32 {
     return distance(p, center.xyz) / center.w;
 }
 
-// Take a primitive's hit if it is nearer than the best so far.
-fn consider(ray: Ray, primitive: u32, instance: u32, t_min: f32, kept: Kept, best: ptr<function, Hit>) {
-    let span = primitive_span(ray, primitive);
-    let last = min((*best).t, kept.far);
-    if (span.near > last || span.far < t_min) {
+// Take an entry's hit if it is nearer than the best so far; `primitive` is its index meanwhile.
+fn consider(
+    ray: Ray, entry: Entry, index: u32, instance: u32, t_min: f32, kept: Kept,
+    best: ptr<function, Hit>,
+) {
+    let span = entry_span(ray, entry);
+    if (span.near > min((*best).t, kept.far) || span.far < t_min) {
         return;
     }
     if (CLIPPED && kept.near > t_min && span.near < kept.near) {
         // the plane cuts it: solid inside, a cap on the plane
         if (span.far > kept.near) {
-            let depth = primitive_depth(ray.origin + kept.near * ray.direction, primitive);
+            let depth = entry_depth(ray.origin + kept.near * ray.direction, entry);
             if (kept.near < (*best).t || (kept.near == (*best).t && depth < (*best).depth)) {
-                *best = Hit(kept.near, primitive, instance, kept.entry, depth);
+                *best = Hit(kept.near, index, instance, kept.entry, depth);
             }
         }
         return;
     }
     // the entry only: a ray that starts inside a solid leaves it unseen
     if (span.near >= t_min && span.near < (*best).t) {
-        *best = Hit(span.near, primitive, instance, 0u, 2.0);
+        *best = Hit(span.near, index, instance, 0u, 2.0);
     }
+}
+
+// Whether an entry stops a ray anywhere in [t_min, t_max].
+fn stops(ray: Ray, entry: Entry, t_min: f32, t_max: f32, kept: Kept) -> bool {
+    let span = entry_span(ray, entry);
+    if (CLIPPED) {
+        let capped = (kept.near > t_min) & (span.near < kept.near) & (span.far > kept.near);
+        return (span.near < min(t_max, kept.far))
+            & (capped | (span.near >= max(t_min, kept.near)));
+    }
+    return (span.near >= t_min) & (span.near < t_max);
 }
 
 // One over each component; a zero becomes huge, so that no NaN arises in slab tests.
@@ -158,139 +192,224 @@ fn walk_start(grid: Grid, ray: Ray, t_min: f32, t_max: f32) -> Walk {
     return walk;
 }
 
-// Go on to the next cell along the ray.
-fn walk_on(walk: ptr<function, Walk>) {
-    let t = (*walk).t_next;
-    let x = t.x <= t.y && t.x <= t.z;
-    let y = !x && t.y <= t.z;
-    (*walk).t_next = t + select(vec3f(0.0), (*walk).t_step, vec3<bool>(x, y, !(x || y)));
-    (*walk).cell += select(select((*walk).stride.z, (*walk).stride.y, y), (*walk).stride.x, x);
+// Where the ray leaves the cell.
+fn walk_exit(walk: Walk) -> f32 {
+    return min(walk.t_next.x, min(walk.t_next.y, walk.t_next.z));
 }
 
-// Trace the primitives of one instance, in its local frame.
-fn trace_geometry(
-    grid: Grid, ray: Ray, instance: u32, t_min: f32, kept: Kept, mode: u32, best: ptr<function, Hit>,
+// The axis along which the next cell lies.
+fn next_axis(walk: Walk) -> vec3<bool> {
+    let t = walk.t_next;
+    let x = (t.x <= t.y) & (t.x <= t.z);
+    let y = !x & (t.y <= t.z);
+    return vec3<bool>(x, y, !(x | y));
+}
+
+// Go on to the next cell along the ray.
+fn walk_on(walk: ptr<function, Walk>) {
+    let axis = next_axis(*walk);
+    (*walk).t_next += select(vec3f(0.0), (*walk).t_step, axis);
+    (*walk).cell += dot(select(vec3i(0), (*walk).stride, axis), vec3i(1));
+}
+
+// Leave the empty cells behind: afterwards the walk stands in a cell with entries, whose first is
+// returned, or there is none and EMPTY_CELL is. A loop of its own, because adapters that run lanes
+// in lockstep pay in every iteration for all that the loop may do.
+fn next_entries(walk: ptr<function, Walk>) -> u32 {
+    var first = cell_at(u32((*walk).cell));
+    loop {
+        if (first != EMPTY_CELL || walk_exit(*walk) >= (*walk).t_end) {
+            break;
+        }
+        walk_on(walk);
+        first = cell_at(u32((*walk).cell));
+    }
+    return first;
+}
+
+// The nearest hit within one instance, in its local frame.
+fn nearest_in_geometry(
+    grid: Grid, ray: Ray, instance: u32, t_min: f32, kept: Kept, best: ptr<function, Hit>,
 ) {
     var walk = walk_start(grid, ray, max(t_min, kept.near), min((*best).t, kept.far));
     if (walk.t_end < -1.0e38) {
         return;
     }
-    // Three loops, each of one kind of work: adapters that run lanes in lockstep pay for every
-    // branch of an iteration, taken or not.
     loop {
-        var first = cell_at(u32(walk.cell));
-        var t_exit = min(walk.t_next.x, min(walk.t_next.y, walk.t_next.z));
-        loop {
-            if (first != EMPTY_CELL || t_exit >= walk.t_end) {
-                break;
-            }
-            walk_on(&walk);
-            first = cell_at(u32(walk.cell));
-            t_exit = min(walk.t_next.x, min(walk.t_next.y, walk.t_next.z));
-        }
-        if (first == EMPTY_CELL) {
-            return;
+        var index = next_entries(&walk);
+        if (index == EMPTY_CELL) {
+            break;
         }
         loop {
-            let reference = ref_at(first);
-            consider(ray, reference & ~LAST_OF_CELL, instance, t_min, kept, best);
-            first += 1u;
-            if ((reference & LAST_OF_CELL) != 0u || (mode == ANY && (*best).t < NOTHING)) {
+            let entry = entry_at(index);
+            consider(ray, entry, index, instance, t_min, kept, best);
+            index += 1u;
+            if (entry.last) {
                 break;
             }
         }
-        if (t_exit >= walk.t_end || t_exit > (*best).t || (mode == ANY && (*best).t < NOTHING)) {
-            return;
+        let t_exit = walk_exit(walk);
+        if (t_exit >= walk.t_end || t_exit > (*best).t) {
+            break;
         }
         walk_on(&walk);
     }
 }
 
-fn trace_instance(
-    ray: Ray, index: u32, t_min: f32, kept: Kept, mode: u32, best: ptr<function, Hit>,
-) {
+// Whether anything of one instance lies in [t_min, t_max] of a ray in its local frame.
+//
+// One flat loop, whose every iteration either tests an entry or goes on to the next cell, without
+// branches: lanes of a group need not wait for each other at the end of each cell.
+fn any_in_geometry(grid: Grid, ray: Ray, t_min: f32, t_max: f32, kept: Kept) -> bool {
+    var walk = walk_start(grid, ray, max(t_min, kept.near), min(t_max, kept.far));
+    if (walk.t_end < -1.0e38) {
+        return false;
+    }
+    var found = false;
+    var at_cell = true;
+    var index = 0u;
+    loop {
+        let first = cell_at(u32(walk.cell));
+        let entry = entry_at(index);
+        found = !at_cell & stops(ray, entry, t_min, t_max, kept);
+        let onward = select(entry.last, first == EMPTY_CELL, at_cell);
+        if (found | (onward & (walk_exit(walk) >= walk.t_end))) {
+            break;
+        }
+        let axis = next_axis(walk) & vec3<bool>(onward);
+        walk.t_next += select(vec3f(0.0), walk.t_step, axis);
+        walk.cell += dot(select(vec3i(0), walk.stride, axis), vec3i(1));
+        index = select(index + 1u, first, at_cell);
+        at_cell = onward;
+    }
+    return found;
+}
+
+// A ray in the frame of an instance, and the planes' interval as the instance sees it.
+struct Local {
+    ray: Ray,
+    kept: Kept,
+    grid: Grid,
+    // whether the bounding sphere is met in [t_min, t_max]
+    near: bool,
+}
+
+fn local_view(ray: Ray, index: u32, t_min: f32, t_max: f32, kept: Kept) -> Local {
     let instance = instance_at(index);
     let object = traced_object(instance.object);
     let to_center = instance.center - ray.origin;
     let along = dot(to_center, ray.direction);
     let off = to_center - along * ray.direction;
-    let square = object.radius * object.radius - dot(off, off);
-    if (square < 0.0) {
-        return;
-    }
-    let half = sqrt(square);
-    if (along - half > (*best).t || along + half < t_min) {
-        return;
-    }
+    let half = sqrt(max(0.0, object.radius * object.radius - dot(off, off)));
     let inverse = conjugate(instance.rotation);
-    let local = Ray(rotate(inverse, -to_center), rotate(inverse, ray.direction));
     var bounds = kept;
     if (CLIPPED && (object.flags & UNCLIPPED) != 0u) {
         bounds = Kept(-NOTHING, NOTHING, 0u);
     }
-    trace_geometry(object.grid, local, index, t_min, bounds, mode, best);
+    return Local(
+        Ray(rotate(inverse, -to_center), rotate(inverse, ray.direction)),
+        bounds,
+        object.grid,
+        half > 0.0 && along - half <= t_max && along + half >= t_min,
+    );
 }
 
-fn trace(ray: Ray, t_min: f32, t_max: f32, mode: u32) -> Hit {
+// The single instance of a scene that has no other: everything about it is in the uniform.
+fn only_view(ray: Ray, kept: Kept) -> Local {
+    let inverse = conjugate(scene.rotation);
+    var bounds = kept;
+    if (CLIPPED && scene.spared != 0u) {
+        bounds = Kept(-NOTHING, NOTHING, 0u);
+    }
+    return Local(
+        Ray(rotate(inverse, ray.origin - scene.center), rotate(inverse, ray.direction)),
+        bounds,
+        scene.top,
+        true,
+    );
+}
+
+// Where the walk over instances begins and ends: the planes bound it unless something is spared.
+fn around(kept: Kept) -> Kept {
+    if (CLIPPED && scene.spared != 0u) {
+        return Kept(-NOTHING, NOTHING, 0u);
+    }
+    return kept;
+}
+
+fn trace(ray: Ray, t_min: f32, t_max: f32, any: bool) -> Hit {
     var best = NO_HIT;
-    best.t = NOTHING;
-    var kept = Kept(-NOTHING, t_max, 0u);
+    best.t = t_max;
+    var kept = Kept(-NOTHING, NOTHING, 0u);
     if (CLIPPED) {
         kept = kept_interval(ray);
-        kept.far = min(kept.far, t_max);
     }
+    var found = false;
     if (!HAS_TOP_LEVEL) {
-        // one instance: everything about it is in the uniform
-        let inverse = conjugate(scene.rotation);
-        let local = Ray(rotate(inverse, ray.origin - scene.center), rotate(inverse, ray.direction));
-        if (CLIPPED && scene.spared != 0u) {
-            kept = Kept(-NOTHING, t_max, 0u);
+        let local = only_view(ray, kept);
+        if (any) {
+            found = any_in_geometry(local.grid, local.ray, t_min, t_max, local.kept);
+        } else {
+            nearest_in_geometry(local.grid, local.ray, 0u, t_min, local.kept, &best);
         }
-        trace_geometry(scene.top, local, 0u, t_min, kept, mode, &best);
-        return best;
-    }
-    var around = kept;
-    if (CLIPPED && scene.spared != 0u) {
-        around = Kept(-NOTHING, t_max, 0u);
-    }
-    var walk = walk_start(scene.top, ray, max(t_min, around.near), around.far);
-    if (walk.t_end < -1.0e38) {
-        return best;
-    }
-    // the last two instances seen need no second look
-    var seen = vec2u(NO_PRIMITIVE);
-    loop {
-        let first = cell_at(u32(walk.cell));
-        if (first != EMPTY_CELL) {
-            var index = first;
+    } else {
+        let bounds = around(kept);
+        var walk = walk_start(scene.top, ray, max(t_min, bounds.near), min(t_max, bounds.far));
+        // the last two instances seen need no second look
+        var seen = vec2u(NO_PRIMITIVE);
+        loop {
+            if (walk.t_end < -1.0e38) {
+                break;
+            }
+            var index = next_entries(&walk);
+            if (index == EMPTY_CELL) {
+                break;
+            }
             loop {
                 let reference = ref_at(index);
                 let instance = reference & ~LAST_OF_CELL;
                 if (instance != seen.x && instance != seen.y) {
-                    trace_instance(ray, instance, t_min, kept, mode, &best);
+                    let local = local_view(ray, instance, t_min, best.t, kept);
+                    if (local.near) {
+                        if (any) {
+                            found = any_in_geometry(local.grid, local.ray, t_min, t_max, local.kept);
+                        } else {
+                            nearest_in_geometry(
+                                local.grid, local.ray, instance, t_min, local.kept, &best,
+                            );
+                        }
+                    }
                     seen = vec2u(seen.y, instance);
                 }
                 index += 1u;
-                if ((reference & LAST_OF_CELL) != 0u || (mode == ANY && best.t < NOTHING)) {
+                if (found || (reference & LAST_OF_CELL) != 0u) {
                     break;
                 }
             }
+            let t_exit = walk_exit(walk);
+            if (found || t_exit >= walk.t_end || t_exit > best.t) {
+                break;
+            }
+            walk_on(&walk);
         }
-        let t_exit = min(walk.t_next.x, min(walk.t_next.y, walk.t_next.z));
-        if (t_exit >= walk.t_end || t_exit > best.t || (mode == ANY && best.t < NOTHING)) {
-            return best;
-        }
-        walk_on(&walk);
     }
+    if (any) {
+        best.t = select(NOTHING, t_min, found);
+        return best;
+    }
+    if (best.primitive == NO_PRIMITIVE) {
+        return NO_HIT;
+    }
+    best.primitive = ref_at(best.primitive) & ~LAST_OF_CELL;
     return best;
 }
 
 fn trace_nearest(ray: Ray, t_min: f32, t_max: f32) -> Hit {
-    return trace(ray, t_min, t_max, NEAREST);
+    return trace(ray, t_min, t_max, false);
 }
 
 fn trace_any(ray: Ray, t_min: f32, t_max: f32) -> bool {
-    return trace(ray, t_min, t_max, ANY).t < NOTHING;
+    return trace(ray, t_min, t_max, true).t < NOTHING;
 }
 
 // How far above a surface point secondary rays start: a few units in the last place of the

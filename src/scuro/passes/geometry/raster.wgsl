@@ -140,7 +140,11 @@ fn solid(in: Fragment) -> Output {
         kept = kept_interval(ray);
     }
     var hit = NO_HIT;
-    consider(local, in.primitive, in.instance, 0.0, kept, &hit);
+    var entry = Entry(vec4f(0.0), in.primitive, true);
+    if (draw.stride == 1u) {
+        entry = Entry(slot_at(slot_of(in.primitive)), NO_PRIMITIVE, true);
+    }
+    consider(local, entry, in.primitive, in.instance, 0.0, kept, &hit);
     if (hit.primitive == NO_PRIMITIVE) {
         discard;
     }
