@@ -18,7 +18,14 @@ from scuro.gpu import Gpu
 from scuro.scene.clip import MAX_PLANES, Clip
 from scuro.scene.geometry import Body, rotation_matrices
 from scuro.trace.pack import PackedGeometry, pack_geometry
-from scuro.trace.table import empty_table, float_table, padded_bytes, table, table_bytes, table_from_buffer
+from scuro.trace.table import (
+    empty_table,
+    float_table,
+    padded_bytes,
+    table,
+    table_bytes,
+    table_from_buffer,
+)
 
 GRID = np.dtype(
     [("origin", np.float32, 3), ("cell", np.float32), ("dims", np.uint32, 3), ("cells", np.uint32)]
