@@ -14,6 +14,7 @@ from scuro.passes.volume.cone_sections import ConeSections, cone_sections
 from scuro.passes.volume.grid import VolumeGrid
 from scuro.passes.volume.pyramid import Pyramid
 from scuro.passes.volume.settings import VolumeSettings
+from scuro.reference.volume_cones import draw_monte_carlo
 from scuro.scene.clip import Clip
 from scuro.scene.volume import Volume
 from scuro.style.transfer import TransferFunction
@@ -231,6 +232,15 @@ class VolumePicture:
             "illuminated": self._keep("no light", 0, self._no_light),
         }
         constants = {"ISOSURFACE": settings.iso is not None, "SURFACES": surface is not None}
+        chosen = {"OCCLUSION": settings.occlusion.on, "SHADOWS": settings.shadow.on}
+        if lighted and settings.light == "monte-carlo":
+            sums = self._keep(
+                "sums", size, lambda: self.gpu.buffer(16 * size[0] * size[1], label="volume truth")
+            )
+            draw_monte_carlo(
+                record, resources, {**constants, **chosen}, self.grid, settings, size, sums
+            )
+            return
         if lighted:
             pyramid = self.pyramid(classified, settings, clip, solids)
             resources |= self.cones(settings, pyramid)
@@ -240,7 +250,7 @@ class VolumePicture:
                 "main",
                 size,
                 resources,
-                {**constants, "OCCLUSION": settings.occlusion.on, "SHADOWS": settings.shadow.on},
+                {**constants, **chosen},
                 label="volume",
             )
             return

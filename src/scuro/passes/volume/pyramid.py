@@ -64,6 +64,7 @@ class Pyramid:
         self._constants = {
             "HAS_CUTS": volume_uniform["cut_count"] > 0,
             "HAS_SOLIDS": solids is not None,
+            "COARSE": factor > 1,
         }
         self._build()
 

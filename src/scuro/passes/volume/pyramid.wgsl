@@ -48,6 +48,8 @@ fn row(width: u32) -> u32 {
 
 override HAS_CUTS: bool = false;
 override HAS_SOLIDS: bool = false;
+// whether texels of the first level stand for several voxels
+override COARSE: bool = false;
 
 fn voxel_opacity_at(at: vec3u) -> f32 {
     var opacity = voxel_opacity[table_index(textureLoad(samples, at, 0).r)];
@@ -64,6 +66,9 @@ fn voxel_opacity_at(at: vec3u) -> f32 {
 
 // Mean over the voxels that one texel of a coarser pyramid stands for.
 fn texel_opacity(texel: vec3u) -> f32 {
+    if (!COARSE) {
+        return voxel_opacity_at(texel);
+    }
     let low = texel * level.factor;
     let high = min(low + level.factor, vec3u(volume.size));
     var sum = 0.0;

@@ -14,7 +14,7 @@ def _split(value: int) -> None:
 class VolumeOcclusionSettings(SettingsGroup):
     """Directional ambient occlusion of volumes by Gaussian cone tracing (Campagnolo 2021)."""
 
-    on: bool = setting(False, "darken samples that the viewer sees through matter", main=True)
+    on: bool = setting(True, "darken what lies behind and between other matter", main=True)
     angle: float = setting(20.0, "half-angle of the cones", low=0.1, high=60, unit="deg")
     length: float = setting(0.5, "length of the cones, in volume diagonals", low=0.01, high=2)
     cones: int = setting(3, "cones after splitting: 1, 3 or 7", check=_split)
@@ -49,17 +49,18 @@ class VolumeSettings(SettingsGroup):
     step: float = setting(0.5, "distance between samples", low=0.05, high=8, unit="voxels")
     jitter: float = setting(1.0, "random shift of rays' starts, in steps", low=0, high=1)
     cutoff: float = setting(0.01, "rays end at this transparency", low=0, high=0.5)
-    shading: str = setting("none", "surface shading by the gradient", choices=("none", "phong"))
+    shading: str = setting("phong", "surface shading by the gradient", choices=("none", "phong"))
     specular: float = setting(0.25, "strength of highlights", low=0, high=2)
     shininess: float = setting(40.0, "exponent of highlights", low=1, high=500)
     light: str = setting(
         "object",
-        "where occlusion and shadows are worked out: precomputed over the volume, or in the image "
-        "at every sample",
-        choices=("object", "image"),
+        "where occlusion and shadows are worked out: precomputed over the volume, in the image at "
+        "every sample, or there by Monte Carlo, the slow truth",
+        choices=("object", "image", "monte-carlo"),
     )
+    rays: int = setting(64, "rays a cone for Monte Carlo", low=1, high=65536)
     light_resolution: float = setting(
-        1.0, "resolution of precomputed light, relative to the volume", low=0.05, high=1
+        0.5, "resolution of precomputed light, relative to the volume", low=0.05, high=1
     )
     light_all: bool = setting(False, "precompute light also where no ray of the picture reads it")
     sigma: float = setting(1.0, "deviation of the first Gaussian", low=0.3, high=8, unit="voxels")
