@@ -78,8 +78,8 @@ def _volume(path: Path, reader: Any, options: VoxelOptions) -> Volume:
     matrix[:n, 3] = image.GetOrigin()[:n]
     suffixes = [s.lower() for s in path.suffixes]
     # an NRRD file need not say how it lies in a patient; the other formats always do
-    keys = set(reader.GetMetaDataKeys()) if hasattr(reader, "GetMetaDataKeys") else set()
-    anatomical = not ({".nrrd", ".nhdr"} & set(suffixes)) or "NRRD_space" in keys
+    nrrd = bool({".nrrd", ".nhdr"} & set(suffixes))
+    anatomical = not nrrd or "NRRD_space" in reader.GetMetaDataKeys()
     if anatomical:
         matrix = RAS_FROM_LPS @ matrix
     return finished(

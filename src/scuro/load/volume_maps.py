@@ -156,7 +156,7 @@ def read_dx(path: Path, options: VoxelOptions) -> Volume:
                 raise LoadError(path, "is no OpenDX grid: it has no array")
             with warnings.catch_warnings():  # text follows the numbers: numpy stops there
                 warnings.simplefilter("ignore")
-                values = np.fromstring(file.read(), np.float64, sep=" ", count=items)
+                values = np.fromstring(file.read(), np.float64, sep=" ")[:items]
     except (ValueError, IndexError, EOFError, OSError) as error:
         raise LoadError(path, f"is not a readable OpenDX grid: {error}") from None
     if len(size) != 3 or len(deltas) != 3 or np.prod(size) != items:

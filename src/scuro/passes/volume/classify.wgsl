@@ -52,9 +52,10 @@ fn find_occupied(@builtin(global_invocation_id) block: vec3u) {
         return;
     }
     let range = unpack2x16unorm(ranges[flat(block)]) * params.table_end;
-    // a margin of one entry covers the rounding of ranges and of table look-ups
-    let first = u32(max(range.x - 1.0, 0.0));
-    let last = u32(min(range.y + 2.0, params.table_end));
+    // the entries that look-ups can round to; the margin covers the rounding of the ranges. A whole
+    // entry would be too much: many functions begin to rise at the background's own value
+    let first = u32(max(range.x + 0.48, 0.0));
+    let last = u32(min(range.y + 0.52, params.table_end));
     target_[flat(block)] = select(params.reach, 0u, shown[last + 1u] > shown[first]);
 }
 
