@@ -227,11 +227,10 @@ def test_wrong_words_give_one_sentence(tmp_path):
     np.save(tmp_path / "complex.npy", np.zeros((2, 2, 2), complex))
     with pytest.raises(LoadError, match="complex"):
         load(tmp_path / "complex.npy")
-    with gzip.open(tmp_path / "zarr.raw.gz", "wb") as file:
+    with gzip.open(tmp_path / "packed.raw.gz", "wb") as file:
         file.write(b"\1" * 8)
-    assert (
-        load(tmp_path / "zarr.raw.gz", voxels__size=(2, 2, 2), voxels__type="u8").values.sum() == 8
-    )
+    packed = load(tmp_path / "packed.raw.gz", voxels__size=(2, 2, 2), voxels__type="u8")
+    assert packed.values.sum() == 8
 
 
 def test_zarr_with_unknown_codec(tmp_path):

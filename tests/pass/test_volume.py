@@ -143,7 +143,7 @@ def test_clipping_cuts_and_lights_the_cut_face(gpu):
     volume = solid((32, 32, 32))
     camera = Camera.fitted(volume.bounds, orthographic=True, margin=1.0)
     clip = Clip((Plane((16, 16, 10), (0, 0, -1)),))
-    image, depth, _ = draw(gpu, volume, PLAIN, ramp(0.1), clip=clip, camera=camera)
+    image, _, _ = draw(gpu, volume, PLAIN, ramp(0.1), clip=clip, camera=camera)
     assert image[16, 16, 3] == pytest.approx(1 - 0.9**10.5, abs=2e-3)
     # the cut face has the plane's normal: a light along the view lights it fully
     lit = PLAIN.replace(shading="phong", specular=0.0)
@@ -154,7 +154,7 @@ def test_clipping_cuts_and_lights_the_cut_face(gpu):
 
 def test_gap_of_sections_follows_appendix_a():
     sections = cone_sections(20.0, 200.0, most_cones=7)
-    spacing, level, amplitude, weight = sections.table.T
+    spacing, level, _, weight = sections.table.T
     assert sections.counts == (1, 3, len(level) - 4) and sections.starts[0] == 3.0
     sigma = 2.0**level
     np.testing.assert_allclose(spacing[:-1], 1.25 * (sigma[:-1] + sigma[1:]))
@@ -288,7 +288,7 @@ def test_monte_carlo_agrees_with_beer_lambert(gpu):
     )
     image, _, _ = draw(gpu, volume, settings, ramp(0.1), size=(8, 8))
     tau = -math.log(0.9)
-    # emission of each depth, attenuated once by the ray and once by its cone, which starts a voxel on
+    # what each depth emits, attenuated by the ray and by its cone, which starts a voxel on
     depth = np.linspace(0, 20, 4001)
     cone = np.exp(-tau * np.clip(depth - 1, 0, None))
     expected = np.trapezoid(tau * np.exp(-tau * depth) * cone, depth)

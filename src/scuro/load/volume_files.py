@@ -22,8 +22,8 @@ from scuro.scene.volume import Volume
 
 def read_itk(source: Source, options: LoadOptions) -> Volume:
     """NIfTI, NRRD, MetaImage, single DICOM files."""
-    unpacks = source.suffix == ".nii"
-    return _read(source, options, "volume_itk:read_image", unpacks=unpacks)
+    # ITK unpacks gzip too, but takes a truncated file for one that ends in zeros
+    return _read(source, options, "volume_itk:read_image")
 
 
 def read_vtk(source: Source, options: LoadOptions) -> Volume:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -74,11 +75,13 @@ def _array(path: Path, image: Any, wanted: str | None) -> tuple[str, Any, bool]:
 def _reader(path: Path) -> tuple[Any, list[str]]:
     """A reader for the suffix, and the list that its error messages go to."""
     try:
+        from vtkmodules.vtkCommonCore import vtkLogger
         from vtkmodules.vtkIOImage import vtkSLCReader
         from vtkmodules.vtkIOLegacy import vtkDataSetReader
         from vtkmodules.vtkIOXML import vtkXMLImageDataReader
     except ImportError:
         raise MissingExtraError("VTK volumes", "volume") from None
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # errors come by observers
     kinds = {".vti": vtkXMLImageDataReader, ".vtk": vtkDataSetReader, ".slc": vtkSLCReader}
     if path.suffix.lower() not in kinds:
         raise LoadError(path, f"VTK files are told by their ending: {', '.join(kinds)}")
@@ -86,7 +89,7 @@ def _reader(path: Path) -> tuple[Any, list[str]]:
     messages: list[str] = []
 
     def note(_object: Any, _event: str, text: str) -> None:
-        messages.append(text.strip().splitlines()[-1])
+        messages.append(re.sub(r"^\w+ \(0x[0-9a-f]+\):\s*", "", text.strip().splitlines()[-1]))
 
     note.CallDataType = "string0"  # type: ignore[attr-defined]
     for source in (reader, getattr(reader, "GetXMLParser", lambda: None)()):
