@@ -6,6 +6,8 @@ import copy
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from scuro.gpu import Gpu, Timings
 from scuro.image import Image
 from scuro.passes.compose.lighting import lighting_of, lights_uniform, with_implied
@@ -13,6 +15,7 @@ from scuro.passes.compose.shade import encode, shade
 from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion
+from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
 from scuro.passes.shadow.shadow import draw_shadows
 from scuro.passes.volume.frame import Volumes
@@ -29,6 +32,8 @@ class _Built:
 
     bodies: tuple[Any, ...] = ()
     accelerator: Accelerator | None = None
+    bounds: Any = None
+    """(2, 3) world box of the scene it was built for."""
 
 
 class Renderer:
@@ -44,17 +49,20 @@ class Renderer:
         self.targets = TargetPool(self.gpu)
         self._built = _Built()
         self._volumes = Volumes()
+        self._reservoirs = Reservoirs()
 
     def accelerator(self, scene: Scene) -> Accelerator:
         """The scene's acceleration structure, rebuilt only if a body was replaced."""
         bodies = tuple(scene.bodies())
         built = self._built
-        if built.accelerator is None or bodies != built.bodies:
-            bounds = scene.bounds()
+        bounds = scene.bounds()
+        # without bodies the middle of the scene is still the origin of all that is drawn
+        moved = not bodies and not np.array_equal(bounds, built.bounds)
+        if built.accelerator is None or bodies != built.bodies or moved:
             built.accelerator = build_accelerator(
                 self.gpu, bodies, bounds.mean(axis=0), bounds=bounds
             )
-            built.bodies = bodies
+            built.bodies, built.bounds = bodies, bounds
         return built.accelerator
 
     def sibling(self) -> Renderer:
@@ -69,6 +77,7 @@ class Renderer:
     def frame(self, scene: Scene, camera: Camera, settings: Settings) -> Frame:
         """Record one frame: geometry, occlusion, shadow, compose. Nothing is submitted yet."""
         settings = with_implied(settings)
+        scene.show_reservoirs(settings.reservoir)
         accelerator = self.accelerator(scene)
         resources, constants = accelerator.clipped(scene.clip)
         frame = Frame(
@@ -100,6 +109,7 @@ class Renderer:
         else:
             shade_semantic(frame, scene.hierarchy())
         self._volumes.draw(frame, scene)
+        self._reservoirs.draw(frame, scene)
         encode(frame)
         return frame
 
@@ -114,6 +124,7 @@ class Renderer:
             settings: How; the defaults otherwise.
         """
         settings = settings or Settings()
+        scene.show_reservoirs(settings.reservoir)
         camera = camera or self.fitted(scene, settings)
         frame = self.frame(scene, camera, settings)
         self.timings: Timings = frame.recorder.submit()

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from scuro.passes.compose.lighting import LightingSettings
 from scuro.passes.occlusion.occlusion import OcclusionSettings
+from scuro.passes.reservoir.settings import StrategySettings
 from scuro.passes.semantic.settings import SemanticSettings
 from scuro.passes.shadow.shadow import ShadowSettings
 from scuro.passes.volume.settings import VolumeSettings
 from scuro.settings import SettingsGroup, setting
+from scuro.style.reservoir_options import ReservoirSettings
 
 
 class Settings(SettingsGroup):
@@ -25,4 +27,6 @@ class Settings(SettingsGroup):
     occlusion: OcclusionSettings = OcclusionSettings()
     shadows: ShadowSettings = ShadowSettings()
     volume: VolumeSettings = VolumeSettings()
+    reservoir: ReservoirSettings = ReservoirSettings()
+    strategy: StrategySettings = StrategySettings()
     semantic: SemanticSettings = SemanticSettings()

@@ -96,6 +96,7 @@ class SceneFile:
         from scuro.scene.geometry import Material
 
         scene.hide()
+        scene.show_reservoirs(self.settings.reservoir)
         for show in self.show:
             scene.show(
                 show.style,

@@ -135,6 +135,8 @@ class CornerPointGrid:
             SettingsError: No such property or step.
         """
         name = name.upper()
+        if name == "DEPTH" and name not in self.properties:
+            return self.cell_depth
         if name in self.statics and not any(name in s.names for s in self.steps):
             return self.statics[name]
         if name not in self.properties:
@@ -149,6 +151,11 @@ class CornerPointGrid:
         raise SettingsError(
             f"{self.name} has no {name} at {chosen}; it has {', '.join(chosen.names)}"
         )
+
+    @cached_property
+    def cell_depth(self) -> NDArray[np.float32]:
+        """(n_active,) mean depth of each cell's corners, positive down."""
+        return self.zcorn.mean(axis=(1, 3, 5), dtype=np.float32)[self.active]
 
     def changes(self, name: str) -> bool:
         """Whether a property has a value at each time step."""

@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
 from scuro.scene.clip import Clip
+from scuro.scene.cornerpoint import CornerPointGrid
 from scuro.scene.geometry import Body, Material
 from scuro.scene.lights import Lighting
 from scuro.scene.model import MesoscaleModel
 from scuro.scene.molecule import Molecule
 from scuro.scene.regions import Divided, Hierarchy, hierarchy_of
+from scuro.scene.reservoir import ReservoirItem
 from scuro.scene.volume import Volume
+from scuro.style.reservoir_options import ReservoirSettings
 from scuro.style.transfer import TransferFunction
 
 
@@ -153,6 +156,8 @@ class Scene:
             item = MesoscaleItem(item)
         elif isinstance(item, Volume):
             item = VolumeItem(item)
+        elif isinstance(item, CornerPointGrid):
+            item = ReservoirItem(item)
         self.items.append(item)
         return self
 
@@ -209,6 +214,16 @@ class Scene:
     @property
     def volumes(self) -> list[VolumeItem]:
         return [item for item in self.items if isinstance(item, VolumeItem)]
+
+    @property
+    def reservoirs(self) -> list[ReservoirItem]:
+        return [item for item in self.items if isinstance(item, ReservoirItem)]
+
+    def show_reservoirs(self, settings: ReservoirSettings) -> Scene:
+        """Show all reservoirs as the settings say."""
+        for item in self.reservoirs:
+            item.settings = settings
+        return self
 
     def bodies(self) -> list[Body]:
         """All surfaces of the scene; bodies that did not change are the same objects as before."""

@@ -1,0 +1,110 @@
+"""One reservoir's volume picture, kept between frames piece by piece while unchanged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.gpu import Gpu
+from scuro.passes.frame import Frame
+from scuro.passes.reservoir.model import ENTRIES, ReservoirModel
+from scuro.passes.reservoir.settings import StrategySettings
+from scuro.scene.clip import MAX_PLANES, Clip
+from scuro.scene.reservoir import ReservoirItem
+from scuro.style.reservoir import item_transfer, property_range
+
+MOST_CELLS = 20_000
+"""Cells and searches after which a ray ends, whatever the geometry."""
+
+
+class ReservoirPicture:
+    """Everything of one reservoir that outlives a frame.
+
+    Args:
+        gpu: Where to.
+        item: The reservoir; its settings may change, its grid not.
+    """
+
+    def __init__(self, gpu: Gpu, item: ReservoirItem) -> None:
+        self.gpu, self.item = gpu, item
+        self._kept: dict[str, tuple[Any, Any]] = {}
+
+    def _keep(self, name: str, key: Any, make: Callable[[], Any]) -> Any:
+        """What was made last under ``name`` if its key is the same, else a new one."""
+        kept = self._kept.get(name)
+        if kept is None or kept[0] != key:
+            self._kept.pop(name, None)
+            self._kept[name] = kept = (key, make())
+        return kept[1]
+
+    def model(self, center: NDArray, strategy: StrategySettings) -> ReservoirModel:
+        """The model with the item's property, time step, filters and transfer function in place."""
+        item = self.item
+        place = (tuple(center), item.exaggeration)
+        model = self._keep(
+            "model", place, lambda: ReservoirModel(self.gpu, item.grid, center, item.exaggeration)
+        )
+        settings = item.settings
+        name = item.shown_property
+        step = item.grid.step_index(settings.time) if item.grid.changes(name) else 0
+        values_key = (place, name, step, settings.low, settings.high, settings.box)
+        low, high = property_range(item.grid, name)
+        self._keep(
+            "values",
+            values_key,
+            lambda: model.set_values(item.values(), low, high, item.chosen()),
+        )
+        transfer = item_transfer(item)
+        self._keep(
+            "transfer",
+            (place, name, transfer, strategy.step),
+            lambda: model.set_transfer(transfer, strategy.step * model.unit),
+        )
+        return model
+
+    def march(self, model: ReservoirModel, strategy: StrategySettings, clip: Clip) -> dict:
+        """The ``March`` uniform."""
+        planes = np.zeros((MAX_PLANES, 4))
+        equations = clip.equations()
+        planes[: len(equations)] = equations
+        planes[:, 3] += planes[:, :3] @ model.center
+        low, high = model.bounds
+        return {
+            "planes": planes,
+            "plane_count": len(equations),
+            "step": strategy.step * model.unit,
+            "cutoff": strategy.cutoff,
+            "table_end": ENTRIES - 1,
+            "light_low": low,
+            "most_cells": MOST_CELLS,
+            "light_scale": 1 / np.maximum(high - low, 1e-9),
+            "unit": model.unit,
+            "iso": 0.0,
+            "pad": 0.0,
+        }
+
+    def draw(self, frame: Frame, strategy: StrategySettings, clip: Clip) -> None:
+        """Record the volume over ``color``, up to the depths of ``surface``."""
+        model = self.model(frame.accelerator.center, strategy)
+        resources = {
+            **model.resources,
+            "march": self.march(model, strategy, clip),
+            "colors": model.colors,
+            "behind": frame.resources["color"],
+            "over": frame.targets.get("reservoir color", frame.size, "rgba16float"),
+            "light": self._keep("no light", 0, self._no_light),
+            "trilinear_sampler": self.gpu.linear_sampler,
+        }
+        frame.compute(
+            "passes/reservoir/libc.wgsl",
+            resources,
+            constants={"PREINTEGRATED": strategy.fast, "LIT": False},
+            label="reservoir",
+        )
+        frame.resources["color"] = resources["over"]
+
+    def _no_light(self) -> Any:
+        return self.gpu.texture((1, 1, 1), "rgba16float", dimension="3d")

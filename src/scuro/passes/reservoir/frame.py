@@ -1,0 +1,26 @@
+"""Reservoirs in the frame: the one call between shading the surfaces and encoding the picture."""
+
+from __future__ import annotations
+
+from weakref import WeakKeyDictionary
+
+from scuro.passes.frame import Frame
+from scuro.passes.reservoir.draw import ReservoirPicture
+from scuro.scene.reservoir import ReservoirItem
+from scuro.scene.scene import Scene
+
+
+class Reservoirs:
+    """Draws a scene's reservoirs and keeps between frames what did not change."""
+
+    def __init__(self) -> None:
+        self._pictures: WeakKeyDictionary[ReservoirItem, ReservoirPicture] = WeakKeyDictionary()
+
+    def draw(self, frame: Frame, scene: Scene) -> None:
+        """Draw the reservoirs that are shown as volumes over ``color``."""
+        for item in scene.reservoirs:
+            if item.show != "volume":
+                continue
+            if item not in self._pictures:
+                self._pictures[item] = ReservoirPicture(frame.gpu, item)
+            self._pictures[item].draw(frame, frame.settings.strategy, scene.clip)

@@ -1,0 +1,95 @@
+"""A reservoir in a scene: the model, and what of it is shown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.scene.cornerpoint import CornerPointGrid
+from scuro.scene.geometry import Body
+from scuro.style.reservoir_options import ReservoirSettings
+
+_PREFERRED = ("SOIL", "SWAT", "SGAS", "PRESSURE", "PORO", "PERMX")
+FLATTEST = 0.12
+"""Without a given exaggeration, heights are stretched to this share of the model's length."""
+
+
+@dataclass(eq=False)
+class ReservoirItem:
+    """A corner-point grid and how it is shown."""
+
+    grid: CornerPointGrid
+    settings: ReservoirSettings = field(default_factory=ReservoirSettings)
+    _bodies: dict[Any, list[Body]] = field(default_factory=dict, repr=False)
+
+    @property
+    def exaggeration(self) -> float:
+        """Factor on heights: the settings', or one that makes flat models readable."""
+        if self.settings.exaggeration is not None:
+            return self.settings.exaggeration
+        return _fitting_exaggeration(self.grid)
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """(2, 3) world box."""
+        low, high = self.grid.bounds
+        e = self.exaggeration
+        return np.array([[*low[:2], low[2] * e], [*high[:2], high[2] * e]])
+
+    @property
+    def shown_property(self) -> str:
+        """Name of the property shown; ``DEPTH`` where the files have none."""
+        name = self.settings.property.upper()
+        if name != "AUTO":
+            return name
+        known = self.grid.properties
+        return next((n for n in (*_PREFERRED, *known) if n in known), "DEPTH")
+
+    @property
+    def show(self) -> str:
+        """``volume``, ``cells``, ``slices`` or ``iso``."""
+        if self.settings.show != "auto":
+            return self.settings.show
+        return "volume" if self.grid.properties else "cells"
+
+    def values(self) -> NDArray[np.float32]:
+        """(n_active,) values of the property at the time step."""
+        return self.grid.values(self.shown_property, self.settings.time)
+
+    def chosen(self) -> NDArray[np.bool_]:
+        """(n_active,) which cells pass the filters of value and place."""
+        from scuro.style.reservoir_options import parse_box
+
+        settings = self.settings
+        values = self.values()
+        with np.errstate(invalid="ignore"):
+            keep = np.ones(len(values), bool)
+            if settings.low is not None:
+                keep &= values >= settings.low
+            if settings.high is not None:
+                keep &= values <= settings.high
+        place = np.nonzero(self.grid.active)[::-1]
+        for axis, first, last in parse_box(settings.box):
+            keep &= (place[axis] + 1 >= first) & (place[axis] + 1 <= last)
+        return keep
+
+    def bodies(self) -> list[Body]:
+        """Opaque parts: cells, slices, faults, edges and wells, as the settings ask for."""
+        from scuro.style.reservoir_bodies import reservoir_bodies
+
+        key = (self.settings, self.show)
+        if key not in self._bodies:
+            self._bodies.clear()
+            self._bodies[key] = reservoir_bodies(self)
+        return self._bodies[key]
+
+
+@lru_cache(maxsize=8)
+def _fitting_exaggeration(grid: CornerPointGrid) -> float:
+    size = grid.bounds[1] - grid.bounds[0]
+    wanted = FLATTEST * float(np.hypot(*size[:2])) / max(float(size[2]), 1e-6)
+    return float(max(1, round(wanted)))
