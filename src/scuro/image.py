@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import PIL.Image
 
     from scuro.passes.frame import Frame
+    from scuro.settings import SettingsGroup
 
 
 class Image:
@@ -23,12 +24,19 @@ class Image:
 
     Args:
         pixels: (height, width, 4) uint8.
-        frame: The frame it came from, for its buffers.
+        frame: The frame it came from, for its buffers; none if it was drawn in parts.
+        settings: What it was made with.
     """
 
-    def __init__(self, pixels: NDArray[np.uint8], frame: Frame | None = None) -> None:
+    def __init__(
+        self,
+        pixels: NDArray[np.uint8],
+        frame: Frame | None = None,
+        settings: SettingsGroup | None = None,
+    ) -> None:
         self.pixels = pixels
         self._frame = frame
+        self._settings = settings
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray:
         return np.array(self.pixels, dtype=dtype, copy=copy)
@@ -62,7 +70,11 @@ class Image:
 
     def _current_frame(self) -> Frame:
         frame = self._frame
-        if frame is None or frame.targets.frame is not frame:
+        if frame is None:
+            raise SettingsError(
+                "a picture drawn in parts has no buffers: lower its size or --antialias"
+            )
+        if frame.targets.frame is not frame:
             raise SettingsError(
                 "the renderer has drawn another frame since: ask for a picture's buffers before"
             )

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from scuro.errors import SettingsError
 from scuro.gpu import Gpu, Timings
 from scuro.image import Image
 from scuro.passes.compose.lighting import lighting_of, lights_uniform, with_implied
@@ -15,6 +17,15 @@ from scuro.passes.compose.shade import encode, shade
 from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion
+from scuro.passes.part import Part, split
+from scuro.passes.post.antialias import FILTER_RADIUS, filter_down
+from scuro.passes.post.borders import borders_reach, draw_borders
+from scuro.passes.post.focus import draw_focus, focus_reach
+from scuro.passes.post.fog import draw_fog
+from scuro.passes.post.fxaa import draw_fxaa
+from scuro.passes.post.halos import draw_halos, halos_reach
+from scuro.passes.post.stereo import eye_camera, eye_size, join_eyes, keep_left_eye
+from scuro.passes.post.toon import draw_toon
 from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
 from scuro.passes.shadow.shadow import draw_shadows
@@ -34,6 +45,10 @@ class _Built:
     accelerator: Accelerator | None = None
     bounds: Any = None
     """(2, 3) world box of the scene it was built for."""
+
+
+_SCREEN_SPACE = 64
+"""Pixels beyond a part that screen-space occlusion and filters may look at."""
 
 
 class Renderer:
@@ -74,12 +89,50 @@ class Renderer:
         other.targets = TargetPool(self.gpu)
         return other
 
-    def frame(self, scene: Scene, camera: Camera, settings: Settings) -> Frame:
-        """Record one frame: geometry, occlusion, shadow, compose. Nothing is submitted yet."""
+    def frame(
+        self, scene: Scene, camera: Camera, settings: Settings, part: Part | None = None
+    ) -> Frame:
+        """Record one frame, or a part of it, up to ``picture``; the last pass is not submitted yet.
+
+        Args:
+            scene: What to draw.
+            camera: From where.
+            settings: How.
+            part: Which part; all of the picture by default.
+
+        Raises:
+            SettingsError: The picture is too large to be drawn at once: see :meth:`parts`.
+        """
+        if part is None:
+            part, *more = self.parts(settings)
+            if more:
+                raise SettingsError(
+                    "this picture is drawn in parts, which cannot be one frame: lower the size or "
+                    "--antialias, and draw one eye at a time"
+                )
+        if settings.stereo.mode == "red-cyan":
+            left = self._colored(scene, camera, settings, replace(part, eye=-1))
+            keep_left_eye(left)
+            left.recorder.submit()
+            frame = self._colored(scene, camera, settings, replace(part, eye=1))
+            join_eyes(frame)
+        else:
+            frame = self._colored(scene, camera, settings, part)
+        encode(frame)
+        return frame
+
+    def _colored(self, scene: Scene, camera: Camera, settings: Settings, part: Part) -> Frame:
+        """Record what makes ``color``: geometry, occlusion, shadow, compose, post."""
         settings = with_implied(settings)
         scene.show_reservoirs(settings.reservoir)
         accelerator = self.accelerator(scene)
         resources, constants = accelerator.clipped(scene.clip)
+        scale = settings.antialias.scale
+        width, height = (scale * s for s in eye_size(settings.stereo, settings.size))
+        jitter = (0.0, 0.0)
+        if part.eye:
+            separation = settings.stereo.separation * accelerator.extent
+            camera, jitter = eye_camera(camera, part.eye, separation, height)
         frame = Frame(
             self.gpu,
             self.gpu.recorder(),
@@ -87,13 +140,20 @@ class Renderer:
             accelerator,
             camera,
             settings,
-            settings.size,
+            (scale * part.size[0], scale * part.size[1]),
             dict(resources),
             dict(constants),
+            scale,
+            scale * borders_reach(settings.borders),
         )
         lighting = lighting_of(settings.lighting, scene.lighting)
         frame.resources["view"] = view_uniform(
-            camera, accelerator.center, settings.size, seed=settings.seed
+            camera,
+            accelerator.center,
+            (width, height),
+            tile=(scale * part.origin[0], scale * part.origin[1]),
+            jitter=jitter,
+            seed=settings.seed,
         )
         frame.resources["lights"] = lights_uniform(
             lighting, camera, accelerator.center, shadows=settings.shadows.technique != "none"
@@ -110,8 +170,45 @@ class Renderer:
             shade_semantic(frame, scene.hierarchy())
         self._volumes.draw(frame, scene)
         self._reservoirs.draw(frame, scene)
-        encode(frame)
+        draw_toon(frame)
+        draw_fog(frame)
+        draw_halos(frame)
+        draw_borders(frame)
+        draw_focus(frame, scene)
+        draw_fxaa(frame)
+        filter_down(frame)
         return frame
+
+    def parts(self, settings: Settings) -> list[Part]:
+        """The parts in which a picture is drawn, row by row: one, unless it is large or stereo."""
+        margin = (
+            _SCREEN_SPACE
+            + borders_reach(settings.borders)
+            + halos_reach(settings.halos)
+            + focus_reach(settings.depth_of_field)
+            + FILTER_RADIUS
+        )
+        size = eye_size(settings.stereo, settings.size)
+        parts = split(
+            size,
+            scale=settings.antialias.scale,
+            margin=round(margin),
+            max_texture=self.gpu.max_texture,
+        )
+        if settings.stereo.mode != "side-by-side":
+            return parts
+        both = [replace(part, eye=-1) for part in parts]
+        both += [replace(part, eye=1, shift=size[0]) for part in parts]
+        return sorted(both, key=lambda part: part.keep[1])
+
+    def frames(
+        self, scene: Scene, camera: Camera, settings: Settings
+    ) -> Iterator[tuple[Part, Frame]]:
+        """Draw a picture part by part; each frame is finished when it is given, until the next."""
+        for part in self.parts(settings):
+            frame = self.frame(scene, camera, settings, part)
+            self.timings: Timings = frame.recorder.submit()
+            yield part, frame
 
     def render(
         self, scene: Scene, camera: Camera | None = None, settings: Settings | None = None
@@ -126,13 +223,18 @@ class Renderer:
         settings = settings or Settings()
         scene.show_reservoirs(settings.reservoir)
         camera = camera or self.fitted(scene, settings)
-        frame = self.frame(scene, camera, settings)
-        self.timings: Timings = frame.recorder.submit()
-        return Image(self.gpu.read_texture(frame.resources["picture"]), frame)
+        width, height = settings.size
+        pixels = np.empty((height, width, 4), np.uint8)
+        count = 0
+        for part, frame in self.frames(scene, camera, settings):
+            drawn = self.gpu.read_texture(frame.resources["picture"])
+            pixels[part.rows, part.columns] = drawn[part.inside]
+            count += 1
+        return Image(pixels, frame if count == 1 else None, settings)
 
     def fitted(self, scene: Scene, settings: Settings, **options: Any) -> Camera:
         """A camera that sees the whole scene; ``options`` are those of :meth:`Camera.fitted`."""
-        width, height = settings.size
+        width, height = eye_size(settings.stereo, settings.size)
         return Camera.fitted(scene.bounds(), aspect=width / height, **options)
 
 

@@ -4,6 +4,13 @@ from __future__ import annotations
 
 from scuro.passes.compose.lighting import LightingSettings
 from scuro.passes.occlusion.occlusion import OcclusionSettings
+from scuro.passes.post.antialias import AntialiasSettings
+from scuro.passes.post.borders import BorderSettings
+from scuro.passes.post.focus import FocusSettings
+from scuro.passes.post.fog import FogSettings
+from scuro.passes.post.halos import HaloSettings
+from scuro.passes.post.stereo import StereoSettings
+from scuro.passes.post.toon import ToonSettings
 from scuro.passes.reservoir.settings import StrategySettings
 from scuro.passes.semantic.settings import SemanticSettings
 from scuro.passes.shadow.shadow import ShadowSettings
@@ -30,3 +37,10 @@ class Settings(SettingsGroup):
     reservoir: ReservoirSettings = ReservoirSettings()
     strategy: StrategySettings = StrategySettings()
     semantic: SemanticSettings = SemanticSettings()
+    toon: ToonSettings = ToonSettings()
+    fog: FogSettings = FogSettings()
+    borders: BorderSettings = BorderSettings()
+    halos: HaloSettings = HaloSettings()
+    depth_of_field: FocusSettings = FocusSettings()
+    antialias: AntialiasSettings = AntialiasSettings()
+    stereo: StereoSettings = StereoSettings()

@@ -72,6 +72,7 @@ def command(
     from scuro.measure.compare import compare, variants
     from scuro.measure.report import table, write_json
     from scuro.measure.sheet import contact_sheet
+    from scuro.passes.post.stereo import eye_size
     from scuro.render import Renderer
     from scuro.scene.view import view_camera
 
@@ -82,7 +83,7 @@ def command(
     with stage("reading"):
         scene = document.scene()
     renderer = Renderer(device)
-    width, height = document.settings.size
+    width, height = eye_size(document.settings.stereo, document.settings.size)
     camera = view_camera(scene, document.view, width / height)
     pictures: dict[str, Any] = {}
     files: list[str] = []

@@ -121,12 +121,13 @@ class _Clock:
 def _draw(
     document: SceneFile, scene: Scene, device: str | None, clock: _Clock
 ) -> tuple[Renderer, Camera, Image]:
+    from scuro.passes.post.stereo import eye_size
     from scuro.render import Renderer
     from scuro.scene.view import view_camera
 
     renderer = Renderer(device)
     clock("device")
-    width, height = document.settings.size
+    width, height = eye_size(document.settings.stereo, document.settings.size)
     camera = view_camera(scene, document.view, width / height)
     renderer.accelerator(scene)
     clock("build")
@@ -143,8 +144,8 @@ def _steady(
     with progress() as shown:
         for _ in shown.track(range(count), description="timing frames"):
             start = time.perf_counter()
-            frame = renderer.frame(scene, camera, document.settings)
-            renderer.timings = frame.recorder.submit()
+            for _part in renderer.frames(scene, camera, document.settings):
+                pass
             renderer.gpu.finish()
             times.append(time.perf_counter() - start)
     return statistics.median(times) if times else None

@@ -48,7 +48,7 @@ def read_buffers(frame: Frame) -> dict[str, NDArray]:
     found = {name: read_buffer(frame, name) for name in available(frame) if name != "linear"}
     depth = found["depth"][np.isfinite(found["depth"])]
     near, far = (depth.min() * 0.99, depth.max() * 1.01) if depth.size else (0.1, 1.0)
-    width, height = frame.size
+    height, width = found["depth"].shape[:2]
     camera = frame.camera
     if camera.orthographic and far - near < 1e-6:
         far = near + 1.0
@@ -58,7 +58,9 @@ def read_buffers(frame: Frame) -> dict[str, NDArray]:
 
 
 def _texture(frame: Frame, name: str) -> NDArray:
-    return frame.gpu.read_texture(frame.resources[name])
+    """A texture at the picture's size: of a supersampled one, one sample of each pixel."""
+    array = frame.gpu.read_texture(frame.resources[name])
+    return array[frame.scale // 2 :: frame.scale, frame.scale // 2 :: frame.scale]
 
 
 def _depth(frame: Frame) -> NDArray[np.float32]:
@@ -82,10 +84,12 @@ def _id(channel: int) -> Callable[[Frame], NDArray]:
 def _position(frame: Frame) -> NDArray[np.float32]:
     """From depth through the camera, in double precision: large coordinates lose nothing."""
     depth = _depth(frame).astype(np.float64)
-    width, height = frame.size
+    height, width = depth.shape
     half = frame.camera.half_height()
-    x = ((np.arange(width) + 0.5) / width * 2 - 1) * half * width / height
-    y = (1 - (np.arange(height) + 0.5) / height * 2) * half
+    # where in its pixel the sample lies
+    at = (frame.scale // 2 + 0.5) / frame.scale
+    x = ((np.arange(width) + at) / width * 2 - 1) * half * width / height
+    y = (1 - (np.arange(height) + at) / height * 2) * half
     scale = np.ones_like(depth) if frame.camera.orthographic else depth
     empty = ~np.isfinite(depth)
     depth[empty] = scale[empty] = np.nan
@@ -105,7 +109,7 @@ def _scalar(name: str) -> Callable[[Frame], NDArray]:
 def _linear(frame: Frame) -> NDArray[np.float32]:
     from scuro.style.paint import linear_rgba
 
-    over = _texture(frame, "color").astype(np.float32)
+    over = frame.gpu.read_texture(frame.resources["color"]).astype(np.float32)
     r, g, b, a = linear_rgba(frame.settings.background)
     under = np.array([r * a, g * a, b * a, a], np.float32)
     return over + under * (1 - over[..., 3:])

@@ -76,9 +76,13 @@ class Frame:
     camera: Camera
     settings: Settings
     size: tuple[int, int]
-    """Width and height of the tile that is drawn, in pixels."""
+    """Width and height of the tile that is drawn, in samples."""
     resources: dict[str, Any] = field(default_factory=dict)
     constants: dict[str, float] = field(default_factory=dict)
+    scale: int = 1
+    """Samples along the edge of an output pixel: what is set in pixels is that much wider here."""
+    margin: float = 0.0
+    """Samples around surfaces in which tiled passes draw, too."""
 
     def __post_init__(self) -> None:
         self.targets.frame = self
@@ -108,6 +112,25 @@ class Frame:
         buffer = self.targets.buffer(name, size, indirect)
         self.resources[name] = buffer
         return buffer
+
+    def replace_color(
+        self, shader: str, resources: Mapping[str, Any], *, tiles: bool = False
+    ) -> None:
+        """Run a pass that makes ``replaced`` from ``color``, and go on with what it made.
+
+        ``tiles``: only where there may be a surface, or a line around one; the rest stays.
+        """
+        color = self.resources["color"]
+        size = color.size[:2]
+        # two textures take turns: a pass cannot write what it reads
+        name = "post_b" if color is self.resources.get("post_a") else "post_a"
+        replaced = self.target(name, "rgba16float", size=size)
+        if tiles:
+            self.recorder.copy_texture(color, replaced)
+            self.compute_tiles(shader, {**resources, "replaced": replaced})
+        else:
+            self.compute(shader, {**resources, "replaced": replaced}, threads=size)
+        self.resources["color"] = replaced
 
     def compute_tiles(
         self,

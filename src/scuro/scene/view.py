@@ -213,8 +213,10 @@ def _bounds(points: NDArray) -> NDArray[np.float64]:
     return np.stack([(centers - radii).min(axis=0), (centers + radii).max(axis=0)])
 
 
-def focus_points(scene: Scene, selection: str) -> NDArray[np.float64]:
+def focus_points(scene: Scene, selection: str, flag: str = "--focus") -> NDArray[np.float64]:
     """(n, 4) centres and padded radii of the selected atoms of all molecules.
+
+    ``flag`` names the option in the error.
 
     Raises:
         SettingsError: Nothing is selected.
@@ -224,6 +226,6 @@ def focus_points(scene: Scene, selection: str) -> NDArray[np.float64]:
     found = [item.molecule.positions[select(item.molecule, selection)] for item in scene.molecules]
     positions = np.concatenate(found) if found else np.zeros((0, 3))
     if not len(positions):
-        raise SettingsError(f"--focus '{selection}' selects no atoms")
+        raise SettingsError(f"{flag} '{selection}' selects no atoms")
     padding = np.full((len(positions), 1), _FOCUS_PADDING)
     return np.concatenate([positions, padding], axis=1).astype(np.float64)

@@ -29,5 +29,11 @@ def linear_rgba(color: str) -> tuple[float, float, float, float]:
     return (_linear(r), _linear(g), _linear(b), a)
 
 
+def premultiplied(color: str) -> tuple[float, float, float, float]:
+    """Linear RGB times opacity, and opacity."""
+    r, g, b, a = linear_rgba(color)
+    return (r * a, g * a, b * a, a)
+
+
 def _linear(c: float) -> float:
     return c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4

@@ -23,6 +23,9 @@ def shade(frame: Frame) -> None:
 
 def encode(frame: Frame) -> None:
     """Turn ``color`` into ``picture``: sRGB, over the background or with straight alpha."""
-    frame.target("picture", "rgba8unorm")
+    size = frame.resources["color"].size[:2]
+    frame.target("picture", "rgba8unorm", size=size)
     background = linear_rgba(frame.settings.background)
-    frame.compute("passes/compose/encode.wgsl", {"encode": {"background": background}})
+    frame.compute(
+        "passes/compose/encode.wgsl", {"encode": {"background": background}}, threads=size
+    )

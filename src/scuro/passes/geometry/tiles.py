@@ -24,10 +24,10 @@ def find_tiles(frame: Frame) -> None:
     frame.recorder.clear_buffer(mask)
     frame.gpu.write_buffer(count, np.array([0, 1, 1, 0], np.uint32))
 
-    def run(entry: str, threads: int, **splat: int) -> None:
+    def run(entry: str, threads: int, **splat: float) -> None:
         uniform = {
             "clusters": 0, "first_cluster": 0, "first_instance": 0, "count": 0,
-            "tiles": (width, height),
+            "tiles": (width, height), "margin": 1.0 + frame.margin,
         } | splat  # fmt: skip
         rows = -(-threads // (64 * 65535))
         frame.compute(

@@ -11,6 +11,8 @@ struct Splat {
     first_instance: u32,
     count: u32,
     tiles: vec2u,
+    // pixels around a surface in which passes may draw, too
+    margin: f32,
 }
 
 @group(2) @binding(0) var<uniform> splat: Splat;
@@ -41,8 +43,8 @@ fn mark(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if (view.orthographic == 0u && -p.z < -radius) {
         return;
     }
-    let corner = pixel_from_picture(vec2f(x.x, y.y)) - 1.0;
-    let opposite = pixel_from_picture(vec2f(x.y, y.x)) + 1.0;
+    let corner = pixel_from_picture(vec2f(x.x, y.y)) - splat.margin;
+    let opposite = pixel_from_picture(vec2f(x.y, y.x)) + splat.margin;
     let limit = vec2f(splat.tiles * 8u);
     if (any(opposite < vec2f(0.0)) || any(corner >= limit)) {
         return;

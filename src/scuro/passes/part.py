@@ -1,0 +1,80 @@
+"""Large pictures are drawn in parts: rectangles with margins that hide what ends at their edges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scuro.passes.geometry.tiles import MAX_TILES, TILE
+
+_ALIGN = 64
+"""Parts begin at multiples of this, so that patterns and reduced pictures continue across them."""
+_EDGE = 2048
+"""Largest edge of a part in samples: bounds what the GPU holds."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A rectangle of the picture, in output pixels."""
+
+    origin: tuple[int, int]
+    """First pixel drawn."""
+    size: tuple[int, int]
+    """Width and height of what is drawn, margins included."""
+    keep: tuple[int, int, int, int]
+    """Left, top, right, bottom of the pixels kept, within the whole picture."""
+    eye: int = 0
+    """-1 left, 1 right, 0 for a picture that is not stereo."""
+    shift: int = 0
+    """Where this eye's picture begins in one that shows both side by side."""
+
+    @property
+    def rows(self) -> slice:
+        """Rows of the finished picture that this part gives."""
+        return slice(self.keep[1], self.keep[3])
+
+    @property
+    def columns(self) -> slice:
+        """Columns of the finished picture that this part gives."""
+        return slice(self.keep[0] + self.shift, self.keep[2] + self.shift)
+
+    @property
+    def inside(self) -> tuple[slice, slice]:
+        """Rows and columns of the drawn rectangle that are kept."""
+        left, top, right, bottom = self.keep
+        x, y = self.origin
+        return slice(top - y, bottom - y), slice(left - x, right - x)
+
+
+def fits(size: tuple[int, int], scale: int, max_texture: int) -> bool:
+    """Whether a picture of ``scale`` × ``scale`` samples a pixel can be drawn at once."""
+    width, height = size[0] * scale, size[1] * scale
+    tiles = -(-width // TILE) * -(-height // TILE)
+    return tiles <= MAX_TILES and max(width, height) <= max_texture
+
+
+def split(
+    size: tuple[int, int], *, scale: int, margin: int, max_texture: int, edge: int = _EDGE
+) -> list[Part]:
+    """Rows of parts, left to right and top to bottom, that together make the picture.
+
+    Args:
+        size: Width and height of the picture in output pixels.
+        scale: Samples along a pixel's edge.
+        margin: Output pixels that each part draws beyond what is kept.
+        max_texture: Largest edge of a texture, in samples.
+        edge: Largest edge of a part, in samples.
+    """
+    width, height = size
+    if fits(size, scale, max_texture):
+        return [Part((0, 0), size, (0, 0, width, height))]
+    margin = -(-margin // _ALIGN) * _ALIGN
+    step = (min(edge, max_texture) // scale - 2 * margin) // _ALIGN * _ALIGN
+    step = max(step, _ALIGN)
+    parts = []
+    for top in range(0, height, step):
+        for left in range(0, width, step):
+            right, bottom = min(left + step, width), min(top + step, height)
+            x, y = max(left - margin, 0), max(top - margin, 0)
+            drawn = (min(right + margin, width) - x, min(bottom + margin, height) - y)
+            parts.append(Part((x, y), drawn, (left, top, right, bottom)))
+    return parts

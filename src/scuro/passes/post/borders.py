@@ -1,0 +1,52 @@
+"""Depth-aware borders (Tarini et al. 2006): thicker where more depth lies behind an edge."""
+
+from __future__ import annotations
+
+from scuro.passes.frame import Frame
+from scuro.passes.post.depth import fill_depths, full_jump
+from scuro.settings import SettingsGroup, setting
+from scuro.style.paint import linear_rgba
+
+
+class BorderSettings(SettingsGroup):
+    """Lines around what stands out from what lies behind it."""
+
+    width: float = setting(
+        0.0,
+        "widest line, in front of the background; 0 draws none",
+        low=0,
+        high=16,
+        unit="px",
+        main=True,
+    )
+    color: str = setting("black", "colour of the lines")
+    opacity: float = setting(1.0, "1 covers what is behind the lines", low=0, high=1)
+    jump: float | None = setting(
+        None, "depth jump at which lines reach their full width (default: two atoms)", low=0
+    )
+
+
+def borders_reach(settings: BorderSettings) -> float:
+    """Distance in output pixels from which a pixel is influenced."""
+    return settings.width + 1 if settings.width else 0.0
+
+
+def draw_borders(frame: Frame) -> None:
+    """Draw lines over ``color``, outside of each silhouette."""
+    settings = frame.settings.borders
+    if not settings.width:
+        return
+    fill_depths(frame)
+    red, green, blue, alpha = linear_rgba(settings.color)
+    frame.replace_color(
+        "passes/post/borders.wgsl",
+        {
+            "borders": {
+                "color": (red, green, blue),
+                "opacity": settings.opacity * alpha,
+                "width": settings.width * frame.scale,
+                "jump": max(full_jump(frame, settings.jump), 1e-6),
+            }
+        },
+        tiles=True,
+    )

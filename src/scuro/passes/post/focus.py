@@ -1,0 +1,75 @@
+"""Depth of field: what lies off the focal plane is blurred, as by a lens."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scuro.passes.frame import Frame
+from scuro.passes.post.depth import depth_range, fill_depths
+from scuro.scene.scene import Scene
+from scuro.scene.view import focus_points
+from scuro.settings import SettingsGroup, setting
+
+
+class FocusSettings(SettingsGroup):
+    """Depth of field."""
+
+    blur: float = setting(
+        0.0,
+        "radius of the blur at the scene's back when its front is in focus; 0 keeps all sharp",
+        low=0,
+        high=64,
+        unit="px",
+        main=True,
+    )
+    on: str = setting("", "selection in focus, in PyMOL's words (default: the camera's target)")
+    distance: float | None = setting(
+        None, "distance in focus, from the eye along the line of sight", low=0
+    )
+    taps: int = setting(48, "pixels gathered for each", low=1, high=256)
+
+
+def focus_reach(settings: FocusSettings) -> float:
+    """Distance in output pixels from which a pixel is influenced."""
+    return settings.blur * _MOST if settings.blur else 0.0
+
+
+_MOST = 2.0
+"""A blur is cut at so many times its size at the scene's back."""
+
+
+def draw_focus(frame: Frame, scene: Scene) -> None:
+    """Blur ``color`` by each pixel's distance from the focal plane."""
+    settings = frame.settings.depth_of_field
+    if not settings.blur:
+        return
+    fill_depths(frame)
+    front, back = depth_range(frame)
+    focus = _focal_depth(frame, scene)
+    # the circle of confusion of a thin lens goes with |z - focus| / z; a parallel projection, which
+    # has no lens, takes it as from far away
+    perspective = not frame.camera.orthographic
+    unit = (back - front) / (back if perspective else 1.0)
+    frame.replace_color(
+        "passes/post/focus.wgsl",
+        {
+            "focus": {
+                "depth": focus,
+                "aperture": settings.blur * frame.scale / max(unit, 1e-6),
+                "most": settings.blur * frame.scale * _MOST,
+                "perspective": int(perspective),
+                "taps": settings.taps,
+            }
+        },
+    )
+
+
+def _focal_depth(frame: Frame, scene: Scene) -> float:
+    settings = frame.settings.depth_of_field
+    if settings.distance is not None:
+        return settings.distance
+    point = np.asarray(frame.camera.target, np.float64)
+    if settings.on:
+        point = focus_points(scene, settings.on, "--depth-of-field-on")[:, :3].mean(axis=0)
+    row = frame.camera.view_from_world()[2]
+    return float(-(row[:3] @ point + row[3]))

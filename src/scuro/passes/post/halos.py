@@ -1,0 +1,65 @@
+"""Depth-aware halos (Tarini et al. 2006) by unsharp masking of depth (Luft et al. 2006)."""
+
+from __future__ import annotations
+
+from scuro.passes.frame import Frame
+from scuro.passes.post.depth import full_jump
+from scuro.settings import SettingsGroup, setting
+from scuro.style.paint import linear_rgba
+
+
+class HaloSettings(SettingsGroup):
+    """A soft glow or shade around what stands out, laid on what lies behind it."""
+
+    width: float = setting(
+        0.0, "how far halos reach; 0 draws none", low=0, high=128, unit="px", main=True
+    )
+    color: str = setting("black", "colour: dark halos look like contact shade, light ones glow")
+    opacity: float = setting(0.6, "of the strongest halo, at the edge", low=0, high=1)
+    jump: float | None = setting(
+        None, "depth jump at which halos are at their strongest (default: two atoms)", low=0
+    )
+
+
+MOST_REDUCTION = 16
+"""Depth is averaged over squares of at most so many pixels before it is blurred."""
+
+
+def halos_reach(settings: HaloSettings) -> float:
+    """Distance in output pixels from which a pixel is influenced."""
+    return settings.width + MOST_REDUCTION if settings.width else 0.0
+
+
+def draw_halos(frame: Frame) -> None:
+    """Lay halos over ``color``, also over the background."""
+    settings = frame.settings.halos
+    if not settings.width:
+        return
+    width = settings.width * frame.scale
+    # a blur needs few samples across its width: power of two, so that tiles agree on the squares
+    reduction = 1
+    while reduction < MOST_REDUCTION and reduction * 8 <= width:
+        reduction *= 2
+    red, green, blue, alpha = linear_rgba(settings.color)
+    uniform = {
+        "halos": {
+            "color": (red, green, blue),
+            "opacity": settings.opacity * alpha,
+            "width": width / reduction,
+            "jump": max(full_jump(frame, settings.jump), 1e-6),
+            "reduction": reduction,
+        }
+    }
+    small = tuple(-(-s // reduction) for s in frame.size)
+    source = frame.target("halo_depth", "rgba16float", size=small)
+    frame.compute(
+        "passes/post/halo_reduce.wgsl", uniform | {"result": source}, threads=small, label="halos"
+    )
+    for entry in ("across", "down"):
+        result = frame.target(f"halo_{entry}", "rgba16float", size=small)
+        resources = uniform | {"source": source, "result": result}
+        frame.compute(
+            "passes/post/halo_blur.wgsl", resources, entry=entry, threads=small, label="halos"
+        )
+        source = result
+    frame.replace_color("passes/post/halos.wgsl", uniform | {"source": source})
