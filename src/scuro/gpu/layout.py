@@ -169,8 +169,10 @@ def _fill(
         slot = out[key]
         if base.names == ("v",):
             slot = slot["v"]
-        if array.ndim and array.shape != slot.shape and array.shape[0] < slot.shape[0]:
-            slot[: array.shape[0]] = array
+        vector = not base.names and not base.shape
+        if array.ndim and not vector and len(array) < len(slot):
+            # an array may be given in part, a vector may not
+            slot[: len(array)] = array
         else:
             try:
                 slot[...] = array
