@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 
 from scuro.gpu import Gpu
 from scuro.passes.frame import Frame
+from scuro.passes.reservoir.light import ReservoirLight, light_shares
 from scuro.passes.reservoir.model import ENTRIES, ReservoirModel
+from scuro.passes.reservoir.resample import Resampled
 from scuro.passes.reservoir.settings import StrategySettings
 from scuro.scene.clip import MAX_PLANES, Clip
 from scuro.scene.reservoir import ReservoirItem
+from scuro.scene.scene import Scene
 from scuro.style.reservoir import item_transfer, property_range
 
 MOST_CELLS = 20_000
@@ -82,26 +85,43 @@ class ReservoirPicture:
             "most_cells": MOST_CELLS,
             "light_scale": 1 / np.maximum(high - low, 1e-9),
             "unit": model.unit,
-            "iso": 0.0,
-            "pad": 0.0,
+            "light_weights": (1.0, 0.0, 0.0, 0.0),
+            "light_rest": 0.0,
         }
 
-    def draw(self, frame: Frame, strategy: StrategySettings, clip: Clip) -> None:
+    def draw(self, frame: Frame, scene: Scene, strategy: StrategySettings) -> None:
         """Record the volume over ``color``, up to the depths of ``surface``."""
         model = self.model(frame.accelerator.center, strategy)
+        march = self.march(model, strategy, scene.clip)
         resources = {
             **model.resources,
-            "march": self.march(model, strategy, clip),
             "colors": model.colors,
             "behind": frame.resources["color"],
             "over": frame.targets.get("reservoir color", frame.size, "rgba16float"),
             "light": self._keep("no light", 0, self._no_light),
             "trilinear_sampler": self.gpu.linear_sampler,
         }
+        lit = strategy.occlusion or strategy.shadow
+        if lit:
+            light = self._keep(
+                "light",
+                (self._kept["values"][0], strategy.light_resolution),
+                lambda: ReservoirLight(model, strategy.light_resolution),
+            )
+            resources["light"] = light.draw(
+                frame, scene, strategy, item_transfer(self.item), scene.clip
+            )
+            march |= light_shares(frame, scene, model, strategy)
+        if strategy.technique == "srg":
+            resources["resampled"] = self._keep(
+                "resampled",
+                (self._kept["values"][0], strategy.resample),
+                lambda: Resampled(model, strategy.resample).texture(),
+            )
         frame.compute(
-            "passes/reservoir/libc.wgsl",
-            resources,
-            constants={"PREINTEGRATED": strategy.fast, "LIT": False},
+            f"passes/reservoir/{strategy.technique}.wgsl",
+            {**resources, "march": march},
+            constants={"PREINTEGRATED": strategy.fast, "LIT": lit},
             label="reservoir",
         )
         frame.resources["color"] = resources["over"]

@@ -23,4 +23,4 @@ class Reservoirs:
                 continue
             if item not in self._pictures:
                 self._pictures[item] = ReservoirPicture(frame.gpu, item)
-            self._pictures[item].draw(frame, frame.settings.strategy, scene.clip)
+            self._pictures[item].draw(frame, scene, frame.settings.strategy)

@@ -22,8 +22,10 @@ struct March {
     light_scale: vec3f,
     // length that extinction coefficients are given for
     unit: f32,
-    iso: f32,
-    pad: f32,
+    // shares of the light that visibility and the shadows of three lights dim
+    light_weights: vec4f,
+    // the share that nothing dims
+    light_rest: f32,
 }
 
 @group(2) @binding(0) var<uniform> march: March;
@@ -35,7 +37,7 @@ struct March {
 // the picture so far, premultiplied
 @group(2) @binding(3) var behind: texture_2d<f32>;
 @group(2) @binding(4) var over: texture_storage_2d<rgba16float, write>;
-// ambient visibility, and the lights' shadows as one factor
+// ambient visibility, and the shadows of three lights
 @group(2) @binding(5) var light: texture_3d<f32>; // filterable
 @group(2) @binding(6) var trilinear_sampler: sampler;
 
@@ -53,7 +55,8 @@ fn light_at(p: vec3f) -> f32 {
         return 1.0;
     }
     let at = (p - march.light_low) * march.light_scale;
-    return textureSampleLevel(light, trilinear_sampler, at, 0.0).r;
+    let dimmed = textureSampleLevel(light, trilinear_sampler, at, 0.0);
+    return dot(march.light_weights, dimmed) + march.light_rest;
 }
 
 fn take_sample(sum: ptr<function, Sum>, value: f32, p: vec3f) {

@@ -10,8 +10,9 @@ class StrategySettings(SettingsGroup):
 
     technique: str = setting(
         "libc",
-        "libc: cell by cell, linear between entry and exit",
-        choices=("libc",),
+        "srg: a regular grid sampled from the cells; libc: cell by cell, linear between entry and "
+        "exit; plts: accurate point location for every sample",
+        choices=("srg", "libc", "plts"),
         main=True,
     )
     step: float = setting(
@@ -19,3 +20,13 @@ class StrategySettings(SettingsGroup):
     )
     cutoff: float = setting(0.01, "rays end at this transparency", low=0, high=0.5)
     fast: bool = setting(True, "libc: integrate each cell's segment by tables, not by samples")
+    resample: float = setting(
+        4.0, "srg: samples per cell along each axis (the thesis's r')", low=0.25, high=32
+    )
+    occlusion: bool = setting(
+        False, "darken what the viewer sees through matter, by the cones of volume.occlusion"
+    )
+    shadow: bool = setting(False, "shadows of the lights, by the cones of volume.shadow")
+    light_resolution: float = setting(
+        1.0, "samples per cell and axis of the grid in which light is worked out", low=0.1, high=8
+    )

@@ -1,0 +1,113 @@
+"""Occlusion and shadows in a reservoir: the cones of volumes, through a regular grid of its matter
+(Campagnolo 2021, section 4.2)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from scuro.passes.compose.lighting import lighting_of, lights_uniform
+from scuro.passes.frame import Frame
+from scuro.passes.reservoir.model import ReservoirModel
+from scuro.passes.reservoir.resample import Resampled
+from scuro.passes.reservoir.settings import StrategySettings
+from scuro.passes.volume.draw import VolumePicture
+from scuro.scene.clip import Clip
+from scuro.scene.scene import Scene
+from scuro.scene.volume import Volume
+from scuro.style.transfer import TransferFunction
+
+POINTS = 129
+"""Opacity points of the grid's transfer function."""
+
+
+class ReservoirLight:
+    """The matter of a model on a regular grid, and the light worked out there.
+
+    Args:
+        model: With values in place.
+        factor: Samples per cell along each axis.
+    """
+
+    def __init__(self, model: ReservoirModel, factor: float) -> None:
+        self.model = model
+        grid = Resampled(model, factor)
+        values, inside = grid.read()
+        # what is outside lies as far below the property's range as the range is wide
+        data = np.where(inside, values, -1).astype(np.float32)
+        data.flat[0] = -1
+        matrix = np.eye(4)
+        matrix[:3, :3] = np.diag(grid.voxel)
+        matrix[:3, 3] = grid.low + grid.voxel / 2 + model.center
+        self.volume = Volume(data, matrix)
+        self.picture = VolumePicture(model.gpu, self.volume, model.center)
+        self._transfer: tuple[Any, TransferFunction] | None = None
+
+    def transfer(self, shown: TransferFunction) -> TransferFunction:
+        """The same opacities over the grid's values, for one voxel instead of one cell."""
+        if self._transfer is None or self._transfer[0] is not shown:
+            model = self.model
+            share = np.linspace(0, 1, POINTS)
+            opacity = shown.opacity(model.low + share * (model.high - model.low))
+            per_voxel = -np.expm1(np.log1p(-opacity) * self.picture.grid.voxel / model.unit)
+            points = [
+                (-1.0, 0.0),
+                (-0.02, 0.0),
+                *zip(share.tolist(), per_voxel.tolist(), strict=True),
+            ]
+            made = TransferFunction(((0.0, 1.0, 1.0, 1.0),), tuple(points))
+            self._transfer = (shown, made)
+        return self._transfer[1]
+
+    def draw(
+        self, frame: Frame, scene: Scene, strategy: StrategySettings, shown: TransferFunction,
+        clip: Clip,
+    ) -> Any:  # fmt: skip
+        """Record the light's texture: visibility, and the shadows of three lights."""
+        settings = frame.settings.volume.replace(
+            light_all=True,
+            light_resolution=1.0,
+            coefficients=1,
+            iso=None,
+            occlusion__on=strategy.occlusion,
+            shadow__on=strategy.shadow,
+        )
+        picture = self.picture
+        classified = picture.classified(self.transfer(shown), settings)
+        lights = lights_uniform(
+            lighting_of(frame.settings.lighting, scene.lighting),
+            frame.camera,
+            self.model.center,
+            shadows=strategy.shadow,
+        )
+        resources = {
+            **classified.resources(),
+            "view": frame.resources["view"],
+            "lights": lights,
+            "volume": picture.uniform(settings, clip, classified),
+        }
+        pyramid = picture.pyramid(classified, settings, clip)
+        resources |= picture.cones(settings, pyramid)
+        return picture.illuminated(
+            frame.recorder, resources, settings, frame.size, {"ISOSURFACE": False}
+        )
+
+
+def light_shares(
+    frame: Frame, scene: Scene, model: ReservoirModel, strategy: StrategySettings
+) -> dict[str, Any]:
+    """Fields of ``March``: how visibility and shadows dim a sample; open ones keep their color."""
+    if not strategy.shadow:
+        return {"light_weights": (1.0, 0.0, 0.0, 0.0), "light_rest": 0.0}
+    lighting = lighting_of(frame.settings.lighting, scene.lighting)
+    lights = lights_uniform(lighting, frame.camera, model.center, shadows=True)
+    strength = np.array([np.mean(light["color"]) for light in lights["list"]])
+    ambient = float(np.mean(lights["ambient"]))
+    whole = max(ambient + float(strength.sum()), 1e-6)
+    weights = np.zeros(4)
+    weights[0] = ambient / whole
+    for light, power in zip(lights["list"], strength, strict=True):
+        if 0 <= light["shadow"] < 3:
+            weights[1 + light["shadow"]] = power / whole
+    return {"light_weights": weights, "light_rest": 1 - float(weights.sum())}

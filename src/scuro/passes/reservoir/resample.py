@@ -1,0 +1,79 @@
+"""A reservoir sampled on a regular grid: for the SRG strategy, and for light."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.passes.reservoir.model import ReservoirModel
+from scuro.passes.reservoir.pack import AREAL
+
+MOST_TEXELS = 24_000_000
+"""Finer grids are made coarser until they fit what every device binds at once."""
+
+
+class Resampled:
+    """A regular grid over the model's box: value × inside and inside, as half-floats.
+
+    Args:
+        model: With values in place.
+        factor: Samples per cell along each axis.
+    """
+
+    def __init__(self, model: ReservoirModel, factor: float) -> None:
+        self.model = model
+        self.size = resampled_size(model, factor)
+        """(3,) texels along x, y, z."""
+        low, high = model.bounds
+        self.low, self.voxel = low, (high - low) / self.size
+        nx, ny, nz = self.size
+        row = -(-nx // 64) * 64
+        gpu = model.gpu
+        texels = gpu.buffer(4 * row * ny * nz, label="resampled reservoir")
+        fields = {
+            "low": self.low,
+            "row": row,
+            "voxel": self.voxel,
+            "first": 0,
+            "size": self.size,
+            "pad": 0,
+        }
+        gpu.compute(
+            "passes/reservoir/resample.wgsl",
+            "main",
+            self.size,
+            model.resources | {"resample": fields, "texels": texels},
+        )
+        self._row, self._texels = row, texels
+
+    @property
+    def bytes(self) -> int:
+        """GPU memory of the texture."""
+        return 4 * int(np.prod(self.size))
+
+    def texture(self) -> Any:
+        """The grid as an rg16float texture."""
+        gpu = self.model.gpu
+        texture = gpu.texture(self.size, "rg16float", dimension="3d", label="resampled reservoir")
+        record = gpu.recorder()
+        record.copy_buffer_to_texture(self._texels, texture)
+        record.submit()
+        return texture
+
+    def read(self) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Values, 0 to 1 over the property's range, and where the model is; (nz, ny, nx)."""
+        nx, ny, nz = self.size
+        halves = self.model.gpu.read_buffer(self._texels, np.float16)
+        grid = halves[: nz * ny * self._row * 2].reshape(nz, ny, self._row, 2)[:, :, :nx]
+        return grid[..., 0].astype(np.float32), grid[..., 1] > 0.5
+
+
+def resampled_size(model: ReservoirModel, factor: float) -> tuple[int, int, int]:
+    """Texels along x, y, z for so many samples per cell, within :data:`MOST_TEXELS`."""
+    areal = np.asarray(model.uniform["areal_dims"], float) / AREAL
+    size = factor * np.array([*areal, model.grid.dimensions[2]])
+    size *= min(1.0, (MOST_TEXELS / np.prod(size)) ** (1 / 3))
+    nx, ny, nz = np.clip(np.rint(size), 2, 2048).astype(int)
+    return int(nx), int(ny), int(nz)
