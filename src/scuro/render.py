@@ -126,7 +126,7 @@ class Renderer:
         settings = with_implied(settings)
         scene.show_reservoirs(settings.reservoir)
         accelerator = self.accelerator(scene)
-        resources, constants = accelerator.clipped(scene.clip)
+        resources, constants = accelerator.clipped(scene.clip.cutting)
         scale = settings.antialias.scale
         width, height = (scale * s for s in eye_size(settings.stereo, settings.size))
         jitter = (0.0, 0.0)

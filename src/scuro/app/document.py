@@ -14,6 +14,7 @@ from scuro.errors import SettingsError
 from scuro.export.scene_file import Input, SceneFile, Show, is_scene_file, read_scene_file
 from scuro.load import LoadOptions
 from scuro.render_settings import Settings
+from scuro.scene.clip import ClippingSettings, Cut
 from scuro.scene.lights import Light
 from scuro.scene.view import ViewSettings
 from scuro.settings import Parameter, checked, parameters, unknown
@@ -41,10 +42,19 @@ def with_document(command: click.Command) -> click.Command:
             help="Light with these lights instead of the preset's: directional, point or spot, "
             f"e.g. --light point,position=0,20,50,intensity=2. Keys: {_LIGHT_KEYS}.",
         ),
+        click.option(
+            "--clip",
+            multiple=True,
+            metavar="X,Y,Z[,offset=…][,point=x,y,z]",
+            help="Cut with a plane and keep the side that this direction points to; repeat it for "
+            "several. Its offset (Å) moves it along the direction, from the scene's middle or "
+            "from a point.",
+        ),
         click.option("--format", metavar="ENDING", help="The inputs' format, if names do not say."),
         click.option("--assembly", metavar="ID", help="Show this biological assembly."),
         with_settings(Show, title="Representation", without=[("sizes",)]),
         with_settings(Representation, title="Sizes"),
+        with_settings(ClippingSettings, title="Clipping"),
         with_settings(ViewSettings, title="Camera"),
         with_settings(LoadOptions, title="Reading"),
         with_settings(Settings, title="Picture"),
@@ -61,6 +71,7 @@ def take_document(values: dict[str, Any]) -> SceneFile:
     """
     inputs, format = values.pop("inputs"), values.pop("format")
     assembly, lights = values.pop("assembly"), values.pop("light")
+    cuts = values.pop("clip")
     base = _base(inputs, format)
     if assembly is not None:
         base = replace(base, input=tuple(i.replace(assembly=assembly) for i in base.input))
@@ -68,6 +79,8 @@ def take_document(values: dict[str, Any]) -> SceneFile:
         base,
         show=_shown(values, base.show),
         light=tuple(map(parse_light, lights)) or base.light,
+        clip=tuple(map(parse_clip, cuts)) or base.clip,
+        clipping=base.clipping.replace(**take_changes(ClippingSettings, values)),
         view=base.view.replace(**take_changes(ViewSettings, values)),
         load=base.load.replace(**take_changes(LoadOptions, values)),
         settings=base.settings.replace(**take_changes(Settings, values)),
@@ -123,6 +136,15 @@ def parse_light(text: str) -> Light:
     return Light(**_pairs("light", text, "kind", parameters(Light)))
 
 
+def parse_clip(text: str) -> Cut:
+    """Read ``X,Y,Z[,key=value]…``, the direction to the side that a plane keeps.
+
+    Raises:
+        SettingsError: A key or value is not known, or the direction is zero.
+    """
+    return Cut(**_pairs("clip", text, "normal", parameters(Cut)))
+
+
 def _pairs(flag: str, text: str, first: str, known: Iterable[Parameter]) -> dict[str, Any]:
     """Values by key; the first has none. A value may hold commas: only ``,key=`` begins the next.
 
@@ -136,7 +158,10 @@ def _pairs(flag: str, text: str, first: str, known: Iterable[Parameter]) -> dict
     head, *rest = re.split(r",\s*(?=[A-Za-z_-]+\s*=)", text)
     if "=" in head:
         raise SettingsError(f"--{flag} '{text}' must begin with the {first}, before any key=value")
-    found = {first: checked(by_name[first], head.strip())}
+    try:
+        found = {first: _parsed(by_name[first], head.strip())}
+    except SettingsError as error:
+        raise SettingsError(f"--{flag} '{text}': {error}") from None
     for part in rest:
         key, _, value = part.partition("=")
         key = key.strip().replace("-", "_")

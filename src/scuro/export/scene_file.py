@@ -19,6 +19,7 @@ from scuro.export.files import replacing
 from scuro.export.png import is_png, read_settings
 from scuro.load import LoadOptions
 from scuro.render_settings import Settings
+from scuro.scene.clip import Clip, ClippingSettings, Cut
 from scuro.scene.lights import Light
 from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings
@@ -28,7 +29,7 @@ from scuro.style.options import Representation
 VERSION = 1
 """Of the format; raised when an older scuro could not read what a newer one writes."""
 _VERSION_KEY = "scuro"
-_ARRAYS = ("input", "show", "light")
+_ARRAYS = ("input", "show", "light", "clip")
 _AUTO = "auto"
 """Stands for ``None``, which TOML does not have."""
 
@@ -61,6 +62,8 @@ class SceneFile:
     show: tuple[Show, ...] = ()
     light: tuple[Light, ...] = ()
     """Instead of the lights of the lighting preset, whose ambient light stays."""
+    clip: tuple[Cut, ...] = ()
+    clipping: ClippingSettings = field(default_factory=ClippingSettings)
     load: LoadOptions = field(default_factory=LoadOptions)
     view: ViewSettings = field(default_factory=ViewSettings)
     settings: Settings = field(default_factory=Settings)
@@ -84,6 +87,9 @@ class SceneFile:
                     raise SettingsError(f"{line.path} has no biological assemblies")
                 scene.items[-1].assembly = line.assembly
         self.show_in(scene)
+        middle = scene.bounds().mean(axis=0)
+        planes = tuple(cut.plane(middle) for cut in self.clip) + self.clipping.box(middle)
+        scene.clip = Clip(planes, self.clipping.whole_atoms)
         return scene
 
     def show_in(self, scene: Scene) -> None:
@@ -97,12 +103,20 @@ class SceneFile:
 
         scene.hide()
         scene.show_reservoirs(self.settings.reservoir)
-        for show in self.show:
+        clipping = self.clipping
+        shown = [(show, True) for show in self.show]
+        if clipping.spare:
+            shown = _spared(scene, self.show or (Show(),), clipping.spare)
+        if clipping.cube is not None and clipping.cube_rest != "none" and scene.molecules:
+            shown = shown or [(Show(), True)]
+            shown.append((Show(style=clipping.cube_rest, color="chain"), False))
+        for show, clipped in shown:
             scene.show(
                 show.style,
                 select=show.select,
                 color=show.color,
                 material=replace(Material(), opacity=show.opacity),
+                clipped=clipped,
                 **_changed(show.sizes),
             )
         preset = PRESETS[self.settings.lighting.preset]
@@ -118,10 +132,32 @@ class SceneFile:
             "input": inputs,
             "show": [show.as_dict() for show in self.show],
             "light": [light.as_dict() for light in self.light],
+            "clip": [cut.as_dict() for cut in self.clip],
+            "clipping": self.clipping.as_dict(),
             "load": self.load.as_dict(),
             "view": self.view.as_dict(),
             "settings": self.settings.as_dict(),
         }
+
+
+def _spared(scene: Scene, shows: tuple[Show, ...], spare: str) -> list[tuple[Show, bool]]:
+    """Each representation in two: what is cut, and what clipping spares."""
+    from scuro.style.selection import select
+
+    def matches(words: str) -> bool:
+        return any(select(item.molecule, words).any() for item in scene.molecules)
+
+    if not matches(spare):
+        raise SettingsError(f"--spare '{spare}' selects no atoms")
+    found = []
+    for show in shows:
+        for words, clipped in (
+            (f"({show.select}) and not ({spare})", True),
+            (f"({show.select}) and ({spare})", False),
+        ):
+            if matches(words):
+                found.append((show.replace(select=words), clipped))
+    return found
 
 
 def _changed(group: SettingsGroup) -> dict[str, Any]:
@@ -180,7 +216,9 @@ def write_scene_file(path: str | PathLike[str], document: SceneFile) -> None:
     parts += [toml.dump("input", line, array=True) for line in inputs]
     parts += [toml.dump("show", line, array=True) for line in document.show]
     parts += [toml.dump("light", line, array=True) for line in document.light]
-    parts += [toml.dump(name, getattr(document, name)) for name in ("load", "view", "settings")]
+    parts += [toml.dump("clip", line, array=True) for line in document.clip]
+    groups = ("clipping", "load", "view", "settings")
+    parts += [toml.dump(name, getattr(document, name)) for name in groups]
     with replacing(path) as file:
         file.write("\n".join(parts).encode())
 
@@ -207,6 +245,8 @@ def _document(values: Mapping[str, Any], folder: Path) -> SceneFile:
         "input": Input,
         "show": Show,
         "light": Light,
+        "clip": Cut,
+        "clipping": ClippingSettings,
         "load": LoadOptions,
         "view": ViewSettings,
         "settings": Settings,

@@ -105,6 +105,8 @@ class Body:
     material: Material = Material()
     clipped: bool = True
     """Whether clipping planes cut it (a clip can spare a selection)."""
+    closed: bool = True
+    """Whether its triangles enclose solids, which show caps where planes cut them."""
 
     def __post_init__(self) -> None:
         if len(self.rotations) != len(self.positions):

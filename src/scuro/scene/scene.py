@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
-from scuro.scene.clip import Clip
+from scuro.scene.clip import Clip, drop_outside
 from scuro.scene.cornerpoint import CornerPointGrid
 from scuro.scene.geometry import Body, Material
 from scuro.scene.lights import Lighting
@@ -144,6 +144,7 @@ class Scene:
         self.lighting: Lighting | None = None
         """The scene's own lights; ``None`` for the lighting preset of the settings."""
         self.clip: Clip = Clip()
+        self._left: dict[tuple[Body, Clip], Body] = {}
         self.extra_bodies: list[Body] = []
         """Bodies that belong to no item (a probe, markers)."""
         self._hierarchy: tuple[tuple[Body, ...], Hierarchy] | None = None
@@ -231,7 +232,19 @@ class Scene:
         for item in self.items:
             if hasattr(item, "bodies"):
                 found += item.bodies()
-        return found + self.extra_bodies
+        return [self._kept(body) for body in found + self.extra_bodies]
+
+    def _kept(self, body: Body) -> Body:
+        """The body, or what is left of it where clipping drops whole atoms."""
+        if not self.clip.whole:
+            self._left.clear()
+            return body
+        key = (body, self.clip)
+        if key not in self._left:
+            if len(self._left) > 64:  # a plane on its way through leaves many behind
+                self._left.clear()
+            self._left[key] = drop_outside(body, self.clip)
+        return self._left[key]
 
     def hierarchy(self) -> Hierarchy:
         """The levels of everything in the scene; the same object while the bodies are."""
@@ -242,6 +255,7 @@ class Scene:
             elif hasattr(item, "bodies"):
                 found += [Divided(body) for body in item.bodies()]
         found += [Divided(body) for body in self.extra_bodies]
+        found = [replace(d, body=self._kept(d.body)) for d in found]
         key = tuple(d.body for d in found)
         if self._hierarchy is None or self._hierarchy[0] != key:
             self._hierarchy = (key, hierarchy_of(found))

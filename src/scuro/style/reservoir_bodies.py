@@ -68,7 +68,9 @@ def reservoir_bodies(item: ReservoirItem) -> list[Body]:
 
 def _body(parts: tuple[Geometry, NDArray], name: str) -> Body:
     geometry, origin = parts
-    return Body(geometry, positions=origin[None], name=name, path=(name,), material=_MATTE)
+    return Body(
+        geometry, positions=origin[None], name=name, path=(name,), material=_MATTE, closed=False
+    )
 
 
 def _diagonal(item: ReservoirItem) -> float:

@@ -54,7 +54,8 @@ OBJECT = np.dtype(
 """``Traced`` and ``Material`` of wgsl/scene.wgsl: OBJECT_TEXELS texels."""
 
 MATERIAL_KINDS = ("diffuse", "glossy", "metal", "mirror", "glass")
-UNCLIPPED = 1
+UNCLIPPED, OPEN = 1, 2
+"""As in wgsl/scene.wgsl."""
 
 
 @dataclass(eq=False)
@@ -279,7 +280,7 @@ def _object(body: Body, p: PackedGeometry, grid: Any) -> tuple:
     return (
         grid,
         p.radius,
-        0 if body.clipped else UNCLIPPED,
+        (0 if body.clipped else UNCLIPPED) | (0 if body.closed else OPEN),
         (0, 0),
         m.diffuse,
         m.specular,

@@ -18,6 +18,8 @@ struct Instance {
 }
 
 const UNCLIPPED: u32 = 1u;
+// a surface without inside: nothing to cap
+const OPEN: u32 = 2u;
 
 // What tracing needs of an object.
 struct Traced {

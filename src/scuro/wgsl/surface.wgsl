@@ -40,7 +40,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
     if (HAS_TRIANGLES && kind == TRIANGLE) {
         // the plane, not the triangle: whoever found it may have rounded its edge differently
         let found = plane_hit(local, a.xyz, slot_at(slot + 1u).xyz, slot_at(slot + 2u).xyz);
-        t = found.x;
+        t = select(found.x, hit.t, hit.cap != 0u);
         let inside = max(vec3f(1.0 - found.y - found.z, found.y, found.z), vec3f(0.0));
         let weights = inside / (inside.x + inside.y + inside.z);
         normal = weights.x * octahedral_decode(attribute_at(slot).w)

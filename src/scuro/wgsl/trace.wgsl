@@ -401,7 +401,28 @@ fn trace(ray: Ray, t_min: f32, t_max: f32, any: bool) -> Hit {
         return NO_HIT;
     }
     best.primitive = ref_at(best.primitive) & ~LAST_OF_CELL;
+    if (CLIPPED && HAS_TRIANGLES && kept.entry != 0u) {
+        return capped_mesh(ray, t_min, kept, best);
+    }
     return best;
+}
+
+// A closed mesh that a plane opens shows the inside of its far wall: such a hit becomes a cap, for
+// the ray passes the plane inside the mesh. Vertices run counter-clockwise seen from outside.
+fn capped_mesh(ray: Ray, t_min: f32, kept: Kept, hit: Hit) -> Hit {
+    let instance = instance_at(hit.instance);
+    let flags = traced_object(instance.object).flags;
+    if (kind_of(hit.primitive) != TRIANGLE || hit.cap != 0u || kept.near < t_min
+        || (flags & (UNCLIPPED | OPEN)) != 0u) {
+        return hit;
+    }
+    let slot = slot_of(hit.primitive);
+    let a = slot_at(slot).xyz;
+    let outward = cross(slot_at(slot + 1u).xyz - a, slot_at(slot + 2u).xyz - a);
+    if (dot(rotate(instance.rotation, outward), ray.direction) <= 0.0) {
+        return hit;
+    }
+    return Hit(kept.near, hit.primitive, hit.instance, kept.entry, hit.depth);
 }
 
 fn trace_nearest(ray: Ray, t_min: f32, t_max: f32) -> Hit {

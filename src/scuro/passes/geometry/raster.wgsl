@@ -150,8 +150,9 @@ fn solid(in: Fragment) -> Output {
     }
     var depth = stored_depth(hit.t, in.position.xy);
     if (hit.cap != 0u) {
-        // all caps of a plane are equally near: the solid in which the point lies deepest wins
-        depth *= 1.0 + 1e-5 * (1.0 - saturate(hit.depth));
+        // all caps of a plane are equally near: the solid in which the point lies deepest wins; by
+        // as much as tells depths apart, and nothing that is cut can lie before its cap
+        depth *= 1.0 + 1e-3 * (1.0 - saturate(hit.depth));
     }
     return Output(pack_visible(hit), depth);
 }
