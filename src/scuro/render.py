@@ -30,6 +30,7 @@ from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
 from scuro.passes.shadow.shadow import draw_shadows
 from scuro.passes.volume.frame import Volumes
+from scuro.reference.path import PathTracer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.lights import DIRECTIONAL
@@ -65,6 +66,7 @@ class Renderer:
         self._built = _Built()
         self._volumes = Volumes()
         self._reservoirs = Reservoirs()
+        self._paths = PathTracer()
 
     def accelerator(self, scene: Scene) -> Accelerator:
         """The scene's acceleration structure, rebuilt only if a body was replaced."""
@@ -87,6 +89,7 @@ class Renderer:
         """
         other = copy.copy(self)
         other.targets = TargetPool(self.gpu)
+        other._paths = PathTracer()
         return other
 
     def frame(
@@ -155,14 +158,17 @@ class Renderer:
             jitter=jitter,
             seed=settings.seed,
         )
+        casting = settings.renderer == "path" or settings.shadows.technique != "none"
         frame.resources["lights"] = lights_uniform(
-            lighting, camera, accelerator.center, shadows=settings.shadows.technique != "none"
+            lighting, camera, accelerator.center, shadows=casting
         )
         frame.constants["LOCAL_LIGHTS"] = any(
             light.kind != DIRECTIONAL for light in lighting.lights
         )
         draw_visibility(frame)
-        if settings.semantic.mode == "off":
+        if settings.renderer == "path":
+            self._paths.draw(frame)
+        elif settings.semantic.mode == "off":
             draw_occlusion(frame)
             draw_shadows(frame)
             shade(frame)

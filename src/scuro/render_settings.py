@@ -15,6 +15,7 @@ from scuro.passes.reservoir.settings import StrategySettings
 from scuro.passes.semantic.settings import SemanticSettings
 from scuro.passes.shadow.shadow import ShadowSettings
 from scuro.passes.volume.settings import VolumeSettings
+from scuro.reference.path import PathSettings
 from scuro.settings import SettingsGroup, setting
 from scuro.style.reservoir_options import ReservoirSettings
 
@@ -29,10 +30,16 @@ class Settings(SettingsGroup):
         "how pixels find their atom: rasterised impostors or rays",
         choices=("auto", "raster", "raycast"),
     )
+    renderer: str = setting(
+        "deferred",
+        "how light is found: passes for a picture at once, or the path tracer as the judge",
+        choices=("deferred", "path"),
+    )
     seed: int = setting(0, "seed of all random sequences", low=0, high=2**31 - 1)
     lighting: LightingSettings = LightingSettings()
     occlusion: OcclusionSettings = OcclusionSettings()
     shadows: ShadowSettings = ShadowSettings()
+    path: PathSettings = PathSettings()
     volume: VolumeSettings = VolumeSettings()
     reservoir: ReservoirSettings = ReservoirSettings()
     strategy: StrategySettings = StrategySettings()

@@ -60,3 +60,25 @@ def oblique(distance: float = 12.0, target=(0, 0, 0)) -> Camera:
 def draw(scene: Scene, camera: Camera, size=(96, 72), **changes):
     """The picture; its buffers are behind it until the next one is drawn."""
     return renderer().render(scene, camera, Settings(size=size).replace(**changes))
+
+
+def walls(half: float, top: float) -> Body:
+    """Four upright squares' worth of wall around the square |x|, |y| < half, from z = 0 to top."""
+    quads = []
+    for turn in range(4):
+        c, s = np.cos(turn * np.pi / 2), np.sin(turn * np.pi / 2)
+        rotation = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        a, b = np.array([half, -half, 0]), np.array([half, half, 0])
+        up = np.array([0, 0, top])
+        quads += [rotation @ np.array(t).T for t in ((a, b + up, b), (a, a + up, b + up))]
+    triangles = np.array([q.T for q in quads], np.float32)
+    edges = triangles[:, 1:] - triangles[:, :1]
+    normals = np.cross(edges[:, 0], edges[:, 1])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    geometry = Geometry(
+        triangles=triangles,
+        triangle_normals=np.repeat(normals[:, None], 3, axis=1).astype(np.float32),
+        triangle_colors=np.full((8, 3, 4), 255, np.uint8),
+        triangle_ids=np.zeros((8, 3), np.int32),
+    )
+    return Body(geometry, material=Material(specular=0))

@@ -1,0 +1,111 @@
+"""The judge: a progressive path tracer (Kajiya 1986; Easdon 2013, section 5.6).
+
+Unbiased up to the bounce limit for the light it accounts for: lights are found by next-event
+estimation only, so that mirrors and glass show the environment but not the lights' discs, and glass
+casts a full shadow. A limit on contributions (``path.limit``) is the one bias on offer.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from scuro.passes.frame import Frame
+from scuro.passes.shadow.ray import default_spread
+from scuro.settings import SettingsGroup, setting
+
+MOST_SAMPLES = 1 << 16
+"""Length of the sequences in wgsl/sobol.wgsl."""
+
+_SHADER = "reference/path.wgsl"
+_UNLIMITED = 3e38
+
+
+class PathSettings(SettingsGroup):
+    """The path tracer (``--renderer path``)."""
+
+    samples: int = setting(64, "paths a pixel", low=1, high=MOST_SAMPLES)
+    seconds: float | None = setting(
+        None, "stop after this time, if it comes before the samples", low=0, unit="s"
+    )
+    bounces: int = setting(
+        4, "times a path may scatter; 1 is direct light", low=1, high=64
+    )
+    environment: str = setting(
+        "constant",
+        "ambient light around the scene: equal everywhere, or brighter from above",
+        choices=("constant", "gradient"),
+    )
+    antialias: bool = setting(True, "spread the samples over each pixel")
+    limit: float | None = setting(
+        None, "cut brighter contributions to this: fewer sparks, but biased", low=0
+    )
+
+
+class PathTracer:
+    """Keeps a picture's running sums, so that a further frame of the same adds to them."""
+
+    def __init__(self) -> None:
+        self._key: Any = None
+        self.samples = 0
+        """Paths a pixel in the sums."""
+
+    def draw(self, frame: Frame) -> None:
+        """Fill ``color`` with the mean of at least one and at most ``path.samples`` samples."""
+        settings = frame.settings.path
+        key = _key(frame)
+        if key != self._key or self.samples > settings.samples:
+            self._key, self.samples = key, 0
+        width, height = frame.size
+        frame.scratch("sums", 16 * width * height)
+        frame.target("color", "rgba16float", clear=(0, 0, 0, 0))
+        start = time.perf_counter()
+        while self.samples < settings.samples:
+            self._run(frame, "add", self.samples)
+            self.samples += 1
+            # one sample at a time: no adapter must work for seconds on a single submission
+            frame.recorder.submit()
+            frame.recorder = frame.gpu.recorder()
+            frame.gpu.finish()
+            if settings.seconds is not None and time.perf_counter() - start >= settings.seconds:
+                break
+        self._run(frame, "mean", self.samples)
+
+    def _run(self, frame: Frame, entry: str, index: int) -> None:
+        settings = frame.settings.path
+        kinds = {body.material.kind for body in frame.accelerator.bodies}
+        uniform = {
+            "size": frame.size,
+            "index": index,
+            "bounces": settings.bounces,
+            "spread": default_spread(frame),
+            "limit": _UNLIMITED if settings.limit is None else settings.limit,
+            "gradient": 0.7 if settings.environment == "gradient" else 0.0,
+            "antialias": int(settings.antialias),
+        }
+        frame.compute_tiles(
+            _SHADER,
+            {"paths": uniform},
+            entry=entry,
+            constants={"SHINY": bool(kinds - {"diffuse"}), "HAS_GLASS": "glass" in kinds},
+            label="path",
+        )
+
+
+def _key(frame: Frame) -> Any:
+    """Everything that the sums depend on."""
+    planes = np.asarray(frame.resources["scene"]["planes"]).tobytes()
+    lights = frame.resources["lights"]
+    table = [{k: np.asarray(v).tolist() for k, v in light.items()} for light in lights["list"]]
+    view = frame.resources["view"]
+    return (
+        frame.accelerator,
+        *(tuple(np.asarray(view[name]).tolist()) for name in ("size", "origin", "jitter")),
+        frame.camera,
+        frame.settings.replace(path__samples=1, path__seconds=None),
+        planes,
+        np.asarray(lights["ambient"]).tolist(),
+        table,
+    )
