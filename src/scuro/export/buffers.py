@@ -17,8 +17,13 @@ if TYPE_CHECKING:
 
 def available(frame: Frame) -> list[str]:
     """Names of the buffers that a frame can give: those of passes that ran."""
-    optional = {"visibility", "shadow"}
-    return [name for name in _READERS if name not in optional or name in frame.resources]
+    optional = {
+        "visibility": "visibility",
+        "shadow": "shadow",
+        "volume_opacity": "volume_color",
+        "volume_depth": "volume_depth",
+    }
+    return [name for name in _READERS if optional.get(name, "surface") in frame.resources]
 
 
 def read_buffer(frame: Frame, name: str) -> NDArray:
@@ -27,7 +32,8 @@ def read_buffer(frame: Frame, name: str) -> NDArray:
     ``position`` (world; NaN where empty), ``normal`` (world, unit; 0 where empty), ``color``
     (linear base colour), ``depth`` (along -z of the view; infinite where empty), ``atom``,
     ``instance``, ``object`` (int32, -1 where empty), ``visibility`` (1 is open), ``shadow`` (the
-    lights' mean, 1 is lit), ``linear`` (the picture as premultiplied linear light, h, w, 4).
+    lights' mean, 1 is lit), ``volume_opacity`` (a volume's, 0 to 1), ``volume_depth`` (where half of
+    that is reached; infinite where there is none), ``linear`` (the picture as premultiplied linear light, h, w, 4).
 
     Raises:
         SettingsError: The frame has no such buffer.
@@ -98,6 +104,15 @@ def _position(frame: Frame) -> NDArray[np.float32]:
     return world[..., :3].astype(np.float32)
 
 
+def _volume_opacity(frame: Frame) -> NDArray[np.float32]:
+    return _texture(frame, "volume_color")[..., 3].astype(np.float32)
+
+
+def _volume_depth(frame: Frame) -> NDArray[np.float32]:
+    depth = _texture(frame, "volume_depth")
+    return np.where(depth > 0, depth, np.float32(np.inf))
+
+
 def _scalar(name: str) -> Callable[[Frame], NDArray]:
     def read(frame: Frame) -> NDArray[np.float32]:
         values = _texture(frame, name).astype(np.float32)
@@ -125,5 +140,7 @@ _READERS: dict[str, Callable[[Frame], NDArray]] = {
     "object": _id(2),
     "visibility": _scalar("visibility"),
     "shadow": _scalar("shadow"),
+    "volume_opacity": _volume_opacity,
+    "volume_depth": _volume_depth,
     "linear": _linear,
 }

@@ -234,6 +234,11 @@ class Gpu:
             mag_filter="linear", min_filter="linear", mipmap_filter="nearest"
         )
 
+    @cached_property
+    def nearest_sampler(self) -> Any:
+        """The nearest texel, clamped to the edge."""
+        return self.device.create_sampler()
+
     def read_texture(self, texture: Any, *, mip: int = 0) -> NDArray:
         """A texture's content as ([depth,] height, width[, channels])."""
         dtype, channels = _TEXEL[texture.format]

@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from scuro.scene.scene import Scene
 
 
+_LEAST_OPACITY = 0.02
+"""Pixels of a volume with less are background."""
+
+
 @dataclass(frozen=True)
 class Variant:
     """A way to draw the scene: its name, and what it changes of the settings."""
@@ -85,6 +89,9 @@ def draw(
     chosen = settings.replace(**variant.changes)
     image = renderer.render(scene, camera, chosen)
     buffers = image.buffers()
+    shown = buffers["object"] >= 0
+    if "volume_opacity" in buffers:
+        shown |= buffers["volume_opacity"] > _LEAST_OPACITY
     times = []
     for _ in range(frames):
         start = time.perf_counter()
@@ -94,7 +101,7 @@ def draw(
     return Drawn(
         variant,
         image.pixels,
-        buffers["object"] >= 0,
+        shown,
         buffers.get("visibility"),
         1e3 * statistics.median(times),
     )

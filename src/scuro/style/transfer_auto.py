@@ -39,6 +39,7 @@ def automatic(volume: Volume) -> TransferFunction:
     mode, spread = _background(volume)
     if (
         low < 0 < high
+        and volume.value_name != "density"  # maps of density have noise of both signs
         and abs(mode) < 0.1 * (high - low)
         and min(-low, high) > 0.3 * max(-low, high)
     ):

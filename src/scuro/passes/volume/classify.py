@@ -97,6 +97,9 @@ class Classified:
         return {
             "samples": self.grid.texture,
             "trilinear": self.gpu.level_sampler,
+            "value_sampler": self.gpu.nearest_sampler
+            if self.grid.volume.labels
+            else self.gpu.level_sampler,
             "colors": self.colors,
             "step_opacity": self.step_opacity,
             "distances": self.distances,

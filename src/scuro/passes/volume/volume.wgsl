@@ -40,6 +40,9 @@ const BLOCK: f32 = 4.0;
 // for each block: blocks to the nearest that is not empty (Chebyshev distance), 0 where occupied
 @group(1) @binding(5) var<storage, read> distances: array<u32>;
 
+// as `trilinear`, but without filtering where values are labels
+@group(1) @binding(8) var value_sampler: sampler;
+
 fn texture_position(p: vec3f) -> vec3f {
     return (volume.texture_from_scene * vec4f(p, 1.0)).xyz;
 }
@@ -49,7 +52,7 @@ fn texture_direction(d: vec3f) -> vec3f {
 }
 
 fn value_at(uvw: vec3f) -> f32 {
-    return textureSampleLevel(samples, trilinear, uvw, 0.0).r;
+    return textureSampleLevel(samples, value_sampler, uvw, 0.0).r;
 }
 
 fn table_index(value: f32) -> u32 {
@@ -64,13 +67,17 @@ fn extinction_at(uvw: vec3f) -> f32 {
     return colors[table_index(value_at(uvw))].w;
 }
 
+fn smooth_value(uvw: vec3f) -> f32 {
+    return textureSampleLevel(samples, trilinear, uvw, 0.0).r;
+}
+
 // Gradient of the normalised values in scene space, by central differences one voxel wide.
 fn gradient_at(uvw: vec3f) -> vec3f {
     let h = 0.5 / volume.size;
     let g = vec3f(
-        value_at(uvw + vec3f(h.x, 0.0, 0.0)) - value_at(uvw - vec3f(h.x, 0.0, 0.0)),
-        value_at(uvw + vec3f(0.0, h.y, 0.0)) - value_at(uvw - vec3f(0.0, h.y, 0.0)),
-        value_at(uvw + vec3f(0.0, 0.0, h.z)) - value_at(uvw - vec3f(0.0, 0.0, h.z)),
+        smooth_value(uvw + vec3f(h.x, 0.0, 0.0)) - smooth_value(uvw - vec3f(h.x, 0.0, 0.0)),
+        smooth_value(uvw + vec3f(0.0, h.y, 0.0)) - smooth_value(uvw - vec3f(0.0, h.y, 0.0)),
+        smooth_value(uvw + vec3f(0.0, 0.0, h.z)) - smooth_value(uvw - vec3f(0.0, 0.0, h.z)),
     ) * volume.size;
     // covariant: by the transpose of the map that takes scene to texture
     return (transpose(volume.texture_from_scene) * vec4f(g, 0.0)).xyz;
