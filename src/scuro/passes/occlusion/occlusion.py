@@ -6,10 +6,14 @@ from collections.abc import Callable
 from importlib import import_module
 
 from scuro.passes.frame import Frame
+from scuro.passes.occlusion.analytic import AnalyticSettings
+from scuro.passes.occlusion.hybrid import HybridSettings
 from scuro.settings import SettingsGroup, setting
 
 TECHNIQUES = {
     "ray": "scuro.passes.occlusion.ray:draw",
+    "analytic": "scuro.passes.occlusion.analytic:draw",
+    "hybrid": "scuro.passes.occlusion.hybrid:draw",
 }
 """Technique by name -> function of a frame that fills the ``visibility`` target."""
 
@@ -36,6 +40,8 @@ class OcclusionSettings(SettingsGroup):
         choices=("auto", "none", "bilateral", "atrous"),
     )  # fmt: skip
     strength: float = setting(1.0, "exponent on visibility: above 1 darkens creases", low=0, high=8)
+    analytic: AnalyticSettings = AnalyticSettings()
+    hybrid: HybridSettings = HybridSettings()
 
 
 def draw_occlusion(frame: Frame) -> None:

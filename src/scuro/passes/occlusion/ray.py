@@ -22,7 +22,14 @@ def draw(frame: Frame) -> None:
     settings = frame.settings.occlusion
     samples = settings.samples or DEFAULT_SAMPLES
     filtered = settings.filter != "none" and (settings.filter != "auto" or samples < 64)
-    trace_visibility(frame, "visibility", samples, settings.distance, interleaved=filtered)
+    trace_visibility(
+        frame,
+        "visibility",
+        samples,
+        settings.distance,
+        interleaved=filtered,
+        strength=settings.strength,
+    )
     if filtered:
         smooth(frame, "visibility", settings.filter)
 
@@ -34,6 +41,8 @@ def trace_visibility(
     distance: float | None,
     *,
     interleaved: bool,
+    half: bool | None = None,
+    strength: float = 1.0,
 ) -> None:
     """Trace ``samples`` rays a pixel into the texture ``name``.
 
@@ -44,8 +53,11 @@ def trace_visibility(
         distance: Length of the rays, world units; unlimited if ``None``.
         interleaved: Share directions within classes of pixels (coherent, to be filtered), or give
             each pixel a sequence of its own.
+        half: Trace at half resolution; as the settings say by default.
+        strength: Exponent on the result.
     """
-    half = frame.settings.occlusion.resolution == "half"
+    if half is None:
+        half = frame.settings.occlusion.resolution == "half"
     width, height = frame.size
     index = int(frame.resources["view"]["frame"])
     target = frame.target(
@@ -60,7 +72,7 @@ def trace_visibility(
             "rays": {
                 "samples": samples,
                 "distance": distance or 3e38,
-                "strength": frame.settings.occlusion.strength,
+                "strength": strength,
                 "offset": index % 4,
             },
             "directions": _direction_table(frame, samples if interleaved else 1, index),

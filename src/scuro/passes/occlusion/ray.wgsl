@@ -25,8 +25,7 @@ struct Rays {
 // Edge of the square of classes: 4, or 0 for a sequence of its own in each pixel.
 override PATTERN: u32 = 4u;
 
-fn direction_at(pixel: vec2u, index: u32) -> vec3f {
-    let place = pixel + vec2u(view.origin);
+fn direction_at(place: vec2u, index: u32) -> vec3f {
     if (PATTERN == 0u) {
         let start = hash(place.x + hash(place.y + hash(view.seed + view.frame)));
         return sphere_direction(r2_point(index, vec2u(start, hash(start))));
@@ -35,7 +34,8 @@ fn direction_at(pixel: vec2u, index: u32) -> vec3f {
     return textureLoad(directions, table_place(class_index * rays.samples + index), 0).xyz;
 }
 
-fn visibility_at(pixel: vec2u) -> f32 {
+// `place` counts the samples of the picture: pixels, or blocks at half resolution.
+fn visibility_at(pixel: vec2u, place: vec2u) -> f32 {
     let texel = textureLoad(surface, pixel, 0);
     if (texel.w <= 0.0) {
         return 1.0;
@@ -44,7 +44,7 @@ fn visibility_at(pixel: vec2u) -> f32 {
     let origin = position + texel.xyz * surface_offset(position, texel.w);
     var open = 0.0;
     for (var i = 0u; i < rays.samples; i += 1u) {
-        let direction = cosine_direction(texel.xyz, direction_at(pixel, i));
+        let direction = cosine_direction(texel.xyz, direction_at(place, i));
         open += select(1.0, 0.0, trace_any(Ray(origin, direction), 0.0, rays.distance));
     }
     return pow(open / f32(rays.samples), rays.strength);
@@ -64,7 +64,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     if (any(pixel >= textureDimensions(result))) {
         return;
     }
-    textureStore(result, pixel, vec4f(visibility_at(pixel)));
+    textureStore(result, pixel, vec4f(visibility_at(pixel, pixel + vec2u(view.origin))));
 }
 
 @compute @workgroup_size(4, 4)
@@ -75,5 +75,5 @@ fn half(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     }
     let pixel = min(place * 2u + vec2u(rays.offset & 1u, rays.offset >> 1u),
         textureDimensions(surface) - 1u);
-    textureStore(result, place, vec4f(visibility_at(pixel)));
+    textureStore(result, place, vec4f(visibility_at(pixel, place + vec2u(view.origin) / 2u)));
 }
