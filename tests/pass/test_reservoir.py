@@ -128,7 +128,7 @@ def test_vertex_values_agree_with_numpy(renderer: Renderer, dome: CornerPointGri
 
 
 def located(renderer: Renderer, model: ReservoirModel, columns, layers, at):
-    """Parametric coordinates turned to places and back, and the cells located there, (n, 4) each."""
+    """Parametric coordinates turned to places and back, and the cells located there."""
     source = load_text(
         """
 //#include "../passes/reservoir/locate.wgsl"
@@ -147,7 +147,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let at = rows[2u * n].xyz;
     let z = mix(top, bottom, at.z);
     let w = ring_weights(at.xy);
-    let p = vec3f(dot(w, frame.x + frame.slope_x * z), dot(w, frame.y + frame.slope_y * z), dot(w, z));
+    let x = frame.x + frame.slope_x * z;
+    let y = frame.y + frame.slope_y * z;
+    let p = vec3f(dot(w, x), dot(w, y), dot(w, z));
     if (rows[2u * n].w > 0.0) {
         rows[2u * n] = vec4f(parametric(frame, top, bottom, p, vec3f(0.5)), 1.0);
         return;

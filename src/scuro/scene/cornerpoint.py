@@ -140,7 +140,7 @@ class CornerPointGrid:
         if name in self.statics and not any(name in s.names for s in self.steps):
             return self.statics[name]
         if name not in self.properties:
-            raise SettingsError(unknown("property", name, self.properties or ("none",)))
+            raise SettingsError(unknown("property", name, {*self.properties, "DEPTH"}))
         chosen = self.steps[self.step_index(step)]
         if name in chosen.names:
             return chosen.read(name)

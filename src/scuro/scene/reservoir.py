@@ -41,6 +41,11 @@ class ReservoirItem:
         return np.array([[*low[:2], low[2] * e], [*high[:2], high[2] * e]])
 
     @property
+    def outline(self) -> NDArray[np.float64]:
+        """(n, 3) world points that bound the active cells: the ends of active columns."""
+        return _outline(self.grid, self.exaggeration)
+
+    @property
     def shown_property(self) -> str:
         """Name of the property shown; ``DEPTH`` where the files have none."""
         name = self.settings.property.upper()
@@ -93,3 +98,14 @@ def _fitting_exaggeration(grid: CornerPointGrid) -> float:
     size = grid.bounds[1] - grid.bounds[0]
     wanted = FLATTEST * float(np.hypot(*size[:2])) / max(float(size[2]), 1e-6)
     return float(max(1, round(wanted)))
+
+
+@lru_cache(maxsize=4)
+def _outline(grid: CornerPointGrid, exaggeration: float) -> NDArray[np.float64]:
+    used = grid.active.any(axis=0)
+    nk = grid.active.shape[0]
+    first, last = grid.active.argmax(axis=0), nk - 1 - grid.active[::-1].argmax(axis=0)
+    columns = np.flatnonzero(used)
+    columns = columns[:: max(1, len(columns) // 20_000)]
+    ends = [layer.ravel()[columns] * used.size + columns for layer in (first, last)]
+    return grid.to_world(grid.corners(np.concatenate(ends)), exaggeration).reshape(-1, 3)

@@ -35,6 +35,11 @@ _PATIENT_SIDES = {
     "bottom": ((0, 0, -1), (0, 1, 0)),
 }
 """The same for patients, whose y points to the front and whose z points up."""
+_RESERVOIR_SIDES = _PATIENT_SIDES | {
+    "front": ((0.31, -0.79, 0.53), (0, 0, 1)),
+    "back": ((-0.31, 0.79, 0.53), (0, 0, 1)),
+}
+"""Reservoirs are flat: seen from the south or the north, but from above."""
 _PRINCIPAL = "principal"
 _EXACT_POINTS = 2_000_000
 """Beyond so many primitives the picture is fitted to the instances' bounding spheres."""
@@ -112,6 +117,8 @@ def _sides(scene: Scene) -> dict[str, tuple[tuple, tuple]]:
     patient = bool(scene.items) and all(
         getattr(getattr(item, "volume", None), "anatomical", False) for item in scene.items
     )
+    if scene.items and len(scene.reservoirs) == len(scene.items):
+        return _RESERVOIR_SIDES
     return _PATIENT_SIDES if patient else _SIDES
 
 
@@ -176,7 +183,9 @@ def scene_points(scene: Scene) -> NDArray[np.float64]:
     exact = sum(len(b.geometry) * len(b.positions) for b in bodies) <= _EXACT_POINTS
     found = [_body_points(body, exact) for body in bodies]
     boxes = [item.volume.bounds for item in scene.volumes]
-    boxes += [item.bounds for item in scene.items if hasattr(item, "bounds")]
+    found += [_bare(item.outline) for item in scene.reservoirs]
+    others = [item for item in scene.items if item not in scene.reservoirs]
+    boxes += [item.bounds for item in others if hasattr(item, "bounds")]
     found += [_corners(np.asarray(box)) for box in boxes]
     return np.concatenate(found) if found else np.zeros((0, 4))
 
@@ -201,6 +210,11 @@ def _body_points(body: Body, exact: bool) -> NDArray[np.float64]:
     centers = turned + body.positions[:, None, :]
     radii = np.broadcast_to(local[None, :, 3], centers.shape[:2])
     return np.concatenate([centers, radii[..., None]], axis=-1).reshape(-1, 4)
+
+
+def _bare(points: NDArray) -> NDArray[np.float64]:
+    """Points as spheres without radius."""
+    return np.concatenate([points, np.zeros((len(points), 1))], axis=1)
 
 
 def _corners(box: NDArray) -> NDArray[np.float64]:
