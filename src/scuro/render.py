@@ -136,6 +136,7 @@ class Renderer:
         if part.eye:
             separation = settings.stereo.separation * accelerator.extent
             camera, jitter = eye_camera(camera, part.eye, separation, height)
+        resources["scene"] |= accelerator.detail_for(camera, height, settings.detail)
         frame = Frame(
             self.gpu,
             self.gpu.recorder(),

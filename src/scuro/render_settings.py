@@ -35,6 +35,13 @@ class Settings(SettingsGroup):
         "how light is found: passes for a picture at once, or the path tracer as the judge",
         choices=("deferred", "path"),
     )
+    detail: float = setting(
+        1.0,
+        "in cell-scale models, merge atoms while they are smaller than this; 0 never",
+        low=0.0,
+        high=64.0,
+        unit="px",
+    )
     seed: int = setting(0, "seed of all random sequences", low=0, high=2**31 - 1)
     lighting: LightingSettings = LightingSettings()
     occlusion: OcclusionSettings = OcclusionSettings()

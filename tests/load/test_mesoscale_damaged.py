@@ -15,9 +15,10 @@ from scuro.load import load
 from scuro.load.mesoscale_bcif import expand_operators
 from scuro.load.mesoscale_structures import unit_quaternions
 from scuro.load.mesoscale_table import save_table
-from scuro.scene.generate import GenerateSettings, fibonacci_sphere, generate, upright
+from scuro.scene.generate import GenerateSettings, generate, upright
 from scuro.scene.geometry import rotation_matrices
 from scuro.scene.model import Structure
+from scuro.scene.sphere import fibonacci_sphere
 
 BALL = np.array([[0, 0, 0, 4], [6, 0, 0, 3], [0, 7, 0, 2]], np.float32)
 

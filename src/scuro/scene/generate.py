@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
 from scuro.scene.model import Ingredient, MesoscaleModel, Part, Structure
+from scuro.scene.sphere import fibonacci_sphere
 from scuro.settings import SettingsGroup, setting
 
 LIPID_AREA = 65.0
@@ -254,15 +255,6 @@ def _lipid() -> NDArray[np.float64]:
         for i in range(10)
     ]
     return np.array(head + tails)
-
-
-def fibonacci_sphere(count: int) -> NDArray[np.float64]:
-    """(n, 3) unit vectors spread evenly over the sphere."""
-    i = np.arange(count) + 0.5
-    z = 1 - 2 * i / count
-    turn = np.pi * (1 + np.sqrt(5)) * i
-    flat = np.sqrt(1 - z**2)
-    return np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)
 
 
 def upright(normals: NDArray, rng: np.random.Generator) -> NDArray[np.float32]:

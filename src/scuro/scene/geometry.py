@@ -50,6 +50,10 @@ class Geometry:
     triangle_ids: NDArray[np.int32] = field(default_factory=lambda: _empty(0, 3, dtype=np.int32))
     """(n, 3): the nearest vertex's id is reported."""
 
+    levels: tuple[Geometry, ...] = ()
+    """Coarser forms of the whole, finest first: the tracer takes one where its spheres are smaller
+    than the detail asked for (scene/lod.py)."""
+
     def __len__(self) -> int:
         """Number of primitives."""
         return len(self.spheres) + len(self.rods) + len(self.triangles)

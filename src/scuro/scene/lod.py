@@ -14,14 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.scene.generate import fibonacci_sphere
-from scuro.scene.geometry import Geometry
+from scuro.scene.sphere import fibonacci_sphere
 
 HALVINGS = 2
 """Halvings between one level and the next: each has a quarter as many spheres."""
-COARSEST = 16
+COARSEST = 4
 """No level has fewer spheres than this, unless the structure itself has."""
-DIRECTIONS = 5
+SIZES = 8
+"""Sizes of discs that outlines are drawn with."""
+DIRECTIONS = 3
 """From how many directions outlines are compared."""
 
 
@@ -35,6 +36,13 @@ class Level:
     """(atoms,) which of the level's spheres each atom was merged into."""
     size: float
     """Mean radius of the level's spheres: the detail it can show, ångström."""
+
+    @property
+    def member_of_each(self) -> NDArray[np.int32]:
+        """(n,) for each sphere one of the atoms that it stands for."""
+        first = np.zeros(len(self.spheres), np.int32)
+        first[self.member[::-1]] = np.arange(len(self.member) - 1, -1, -1, dtype=np.int32)
+        return first
 
 
 def levels_of_detail(spheres: NDArray[np.float32]) -> tuple[Level, ...]:
@@ -55,29 +63,6 @@ def levels_of_detail(spheres: NDArray[np.float32]) -> tuple[Level, ...]:
         merged[:, 3] *= _radius_factor(merged, area)
         found.append(Level(merged, member, float(merged[:, 3].mean())))
     return tuple(found)
-
-
-def level_geometry(geometry: Geometry, level: Level) -> Geometry:
-    """The geometry with its spheres replaced by a level's.
-
-    Merged spheres take the mean colour of their members, and the id of one of them.
-    """
-    count = len(level.spheres)
-    members = np.bincount(level.member, minlength=count)
-    colors = np.stack(
-        [
-            np.bincount(level.member, weights=geometry.sphere_colors[:, c], minlength=count)
-            for c in range(4)
-        ],
-        axis=1,
-    )
-    first = np.zeros(count, np.int32)
-    first[level.member[::-1]] = geometry.sphere_ids[::-1]
-    return Geometry(
-        spheres=level.spheres,
-        sphere_colors=np.round(colors / members[:, None]).astype(np.uint8),
-        sphere_ids=first,
-    )
 
 
 def halve(points: NDArray[np.float32], times: int) -> NDArray[np.int32]:
@@ -124,7 +109,7 @@ def shadow_area(spheres: NDArray[np.float32]) -> float:
     """
     directions = fibonacci_sphere(2 * DIRECTIONS)[:DIRECTIONS]
     radius = spheres[:, 3]
-    pixel = max(float(np.median(radius)) / 3, float(np.ptp(spheres[:, :3], axis=0).max()) / 400)
+    pixel = max(float(np.median(radius)) / 2.5, float(np.ptp(spheres[:, :3], axis=0).max()) / 400)
     areas = []
     for direction in directions:
         across = np.cross(direction, np.roll(direction, 1))
@@ -136,32 +121,36 @@ def shadow_area(spheres: NDArray[np.float32]) -> float:
 
 def _disc_union(centers: NDArray, radii: NDArray, pixel: float) -> float:
     """Area covered by discs, counted on a raster; (n, 2) centres and (n,) radii."""
-    low = (centers - radii[:, None]).min(axis=0) - pixel
-    size = np.ceil(((centers + radii[:, None]).max(axis=0) - low) / pixel).astype(int) + 2
+    low = (centers - radii[:, None]).min(axis=0) - 3 * pixel
+    size = np.ceil(((centers + radii[:, None]).max(axis=0) - low) / pixel).astype(int) + 6
     covered = np.zeros(size, bool)
-    # discs of equal raster radius share one stencil of offsets
-    steps = np.maximum(np.round(radii / pixel * 2).astype(int), 1)
-    for step in np.unique(steps):
-        reach = step / 2
+    # discs of about one size share a stencil of offsets
+    classes = np.unique(np.geomspace(radii.min(), radii.max() + 1e-6, SIZES))
+    nearest = np.abs(classes[:, None] - radii).argmin(axis=0)
+    for number, radius in enumerate(classes):
+        here = nearest == number
+        if not here.any():
+            continue
+        reach = radius / pixel
         span = np.arange(-int(np.ceil(reach)), int(np.ceil(reach)) + 1)
-        dx, dy = np.meshgrid(span, span, indexing="ij")
-        inside = dx**2 + dy**2 <= reach**2
-        cells = np.round((centers[steps == step] - low) / pixel).astype(int)
-        x = np.clip(cells[:, :1] + dx[inside], 0, size[0] - 1)
-        y = np.clip(cells[:, 1:] + dy[inside], 0, size[1] - 1)
-        covered[x, y] = True
+        inside = span[:, None] ** 2 + span**2 <= reach**2
+        dx, dy = (d[inside] for d in np.meshgrid(span, span))
+        cells = np.round((centers[here] - low) / pixel).astype(np.int32)
+        covered[cells[:, :1] + dx, cells[:, 1:] + dy] = True
     return float(covered.sum()) * pixel**2
 
 
 def _radius_factor(spheres: NDArray[np.float32], area: float) -> float:
     """Factor for all radii that gives the spheres' shadows a mean area, by the secant method."""
-    factors = [1.0, 0.85]
-    areas = [shadow_area(spheres), _scaled_area(spheres, 0.85)]
-    while len(areas) < 5 and abs(areas[-1] / area - 1) > 2e-3:
-        slope = (areas[-1] - areas[-2]) / (factors[-1] - factors[-2])
-        if slope <= 0:
-            break
-        factors.append(float(np.clip(factors[-1] + (area - areas[-1]) / slope, 0.4, 2.0)))
+    # areas grow about as the factor to the power 1.2, since shadows overlap
+    factors = [0.85]
+    areas = [_scaled_area(spheres, 0.85)]
+    while len(areas) < 4 and abs(areas[-1] / area - 1) > 0.01:
+        power = 1.2
+        if len(areas) > 1 and factors[-1] != factors[-2]:
+            power = np.log(areas[-1] / areas[-2]) / np.log(factors[-1] / factors[-2])
+        step = (area / areas[-1]) ** (1 / max(power, 0.3))
+        factors.append(float(np.clip(factors[-1] * step, 0.4, 2.0)))
         areas.append(_scaled_area(spheres, factors[-1]))
     return factors[int(np.argmin(np.abs(np.array(areas) - area)))]
 

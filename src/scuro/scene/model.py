@@ -16,10 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.scene.geometry import Body, Geometry, Material, rotation_matrices
+from scuro.scene.lod import Level, levels_of_detail
 from scuro.scene.regions import Divided
 
 DEFAULT_COLOR = (180, 180, 180)
 """sRGB of ingredients nobody has coloured."""
+PIECE = 24
+"""Curves are traced in pieces of so many segments, whose bounding spheres are small."""
 MATTE = Material(specular=0.0)
 """Highlights on atoms smaller than a pixel would sparkle."""
 
@@ -57,6 +60,11 @@ class Structure:
             name, np.ascontiguousarray(spheres, np.float32), np.zeros(n, np.uint8), zeros, zeros,
             ("",), source, stand_in,
         )  # fmt: skip
+
+    @cached_property
+    def levels(self) -> tuple[Level, ...]:
+        """The structure at full and at ever coarser detail."""
+        return levels_of_detail(self.spheres)
 
     def moved(self, rotation: NDArray, offset: NDArray) -> Structure:
         """Turned by a (3, 3) matrix and then shifted."""
@@ -237,7 +245,7 @@ class MesoscaleModel:
         )
 
     def bodies(self) -> tuple[Body, ...]:
-        """One body for each part and one for each ingredient's curves; made once.
+        """One body for each part, and one for each piece of a curve; made once.
 
         The atom ids of a body number the atoms of its structure; a tube's ids number its curve.
         Structures are shifted to the middle of their box, so that a sphere about the local origin
@@ -258,9 +266,11 @@ class MesoscaleModel:
                 positions = part.positions + rotation_matrices(part.rotations) @ middle
                 body = Body(geometry, np.asarray(part.rotations, np.float32), positions, **common)
                 made.append(Divided(body, (part.structure.chain,), painted=True))
-            if ingredient.curves:
-                body = Body(_tubes(ingredient), **common)
-                made.append(Divided(body, fibre=True, painted=True))
+            for number, curve in enumerate(ingredient.curves):
+                for start in range(0, max(len(curve) - 1, 1), PIECE):
+                    piece = curve[start : start + PIECE + 1]
+                    body = Body(_tube(piece, number, ingredient), **common)
+                    made.append(Divided(body, fibre=True, painted=True))
         return tuple(made)
 
 
@@ -274,29 +284,37 @@ def _geometry(
     middle = (low.astype(np.float64) + high) / 2
     centered = spheres.copy()
     centered[:, :3] -= middle.astype(np.float32)
-    geometry = Geometry(
+    full = Geometry(
         spheres=centered,
-        sphere_colors=np.tile(np.array([*color, 255], np.uint8), (len(spheres), 1)),
+        sphere_colors=_repeated(color, len(spheres)),
         sphere_ids=np.arange(len(spheres), dtype=np.int32),
     )
-    return geometry, middle
-
-
-def _tubes(ingredient: Ingredient) -> Geometry:
-    """Capless cylinders along the curves, with a sphere at every point to round the bends."""
-    radius = ingredient.curve_radius
-    points = np.concatenate([np.asarray(c, np.float32) for c in ingredient.curves])
-    curve = np.repeat(
-        np.arange(len(ingredient.curves), dtype=np.int32), [len(c) for c in ingredient.curves]
+    shift = np.append(middle, 0).astype(np.float32)
+    levels = tuple(
+        Geometry(
+            spheres=level.spheres - shift,
+            sphere_colors=_repeated(color, len(level.spheres)),
+            sphere_ids=level.member_of_each,
+        )
+        for level in structure.levels[1:]
     )
-    ends = np.concatenate([points, np.full((len(points), 1), radius, np.float32)], axis=1)
-    start = np.flatnonzero(curve[:-1] == curve[1:])
-    color = np.array([*ingredient.color, 255], np.uint8)
+    return replace(full, levels=levels), middle
+
+
+def _repeated(color: tuple[int, int, int], count: int) -> NDArray[np.uint8]:
+    return np.tile(np.array([*color, 255], np.uint8), (count, 1))
+
+
+def _tube(points: NDArray[np.float32], number: int, ingredient: Ingredient) -> Geometry:
+    """Capless cylinders along a piece of a curve, with spheres at the points to round the bends."""
+    ends = np.full((len(points), 4), ingredient.curve_radius, np.float32)
+    ends[:, :3] = points
+    rods = np.stack([ends[:-1], ends[1:]], axis=1)
     return Geometry(
         spheres=ends,
-        sphere_colors=np.tile(color, (len(ends), 1)),
-        sphere_ids=curve,
-        rods=np.stack([ends[start], ends[start + 1]], axis=1),
-        rod_colors=np.tile(color, (len(start), 2, 1)),
-        rod_ids=np.stack([curve[start], curve[start]], axis=1),
+        sphere_colors=_repeated(ingredient.color, len(ends)),
+        sphere_ids=np.full(len(ends), number, np.int32),
+        rods=rods,
+        rod_colors=_repeated(ingredient.color, 2 * len(rods)).reshape(-1, 2, 4),
+        rod_ids=np.full((len(rods), 2), number, np.int32),
     )

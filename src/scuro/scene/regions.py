@@ -59,9 +59,10 @@ class Hierarchy:
     offsets: NDArray[np.uint32]
     """(divisions, objects): where a body's groups begin in ``groups``; all ones for none."""
     fibre: NDArray[np.uint32]
-    """(objects,) 1 where element ids number the instances."""
+    """(objects,) where element ids number the instances, 1 + the number of the object's path; 0
+    elsewhere."""
     paths: tuple[tuple[str, ...], ...]
-    """For each object its place in the tree, empty if not coloured by it; none at all if none is."""
+    """For each object its place in the tree, empty if not coloured by it; none if none is."""
 
 
 NO_GROUPS = np.uint32(0xFFFFFFFF)
@@ -73,6 +74,8 @@ def hierarchy_of(divided: Sequence[Divided]) -> Hierarchy:
     Levels that divide nothing further are left out; there is always at least one level.
     """
     paths = [d.body.path or (d.body.name,) for d in divided]
+    places = {path: number for number, path in enumerate(dict.fromkeys(paths))}
+    fibres = [d.fibre * (1 + places[p]) for d, p in zip(divided, paths, strict=True)]
     levels: list[Level] = []
     labels: list[NDArray[np.uint32]] = []
     names: list[tuple[str, ...]] = []
@@ -110,7 +113,7 @@ def hierarchy_of(divided: Sequence[Divided]) -> Hierarchy:
         tuple(names),
         np.concatenate([*groups, np.zeros(1, np.uint32)]),
         offsets,
-        np.array([d.fibre for d in divided] or [False], np.uint32),
+        np.array(fibres or [0], np.uint32),
         tuple(p if d.painted else () for p, d in zip(paths, divided, strict=True))
         if any(d.painted for d in divided)
         else (),

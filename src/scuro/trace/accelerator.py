@@ -8,13 +8,14 @@ is kept once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scuro.gpu import Gpu
+from scuro.scene.camera import Camera
 from scuro.scene.clip import MAX_PLANES, Clip
 from scuro.scene.geometry import Body, rotation_matrices
 from scuro.trace.pack import PackedGeometry, pack_geometry
@@ -40,7 +41,8 @@ OBJECT = np.dtype(
         ("grid", GRID),
         ("radius", np.float32),
         ("flags", np.uint32),
-        ("pad", np.uint32, 2),
+        ("coarser", np.uint32),
+        ("detail", np.float32),
         ("diffuse", np.float32),
         ("specular", np.float32),
         ("shininess", np.float32),
@@ -91,6 +93,19 @@ class Accelerator:
         """Clusters drawn, instances counted."""
         return sum(copies * clusters for _, copies, _, clusters in self.cluster_runs)
 
+    def detail_for(self, camera: Camera, height: int, pixels: float) -> dict[str, Any]:
+        """Fields of the ``scene`` uniform that choose levels of detail.
+
+        Args:
+            camera: Where distances are measured from.
+            height: Of the picture, in pixels.
+            pixels: Largest diameter of a merged sphere on the picture; 0 for single atoms always.
+        """
+        radius = pixels * camera.half_height() / height
+        slope, floor = (0.0, radius) if camera.orthographic else (radius, 0.0)
+        eye = np.asarray(camera.position) - self.center
+        return {"eye": eye, "detail_slope": slope, "detail_floor": floor}
+
     def clipped(self, clip: Clip) -> tuple[dict[str, Any], dict[str, float]]:
         """Resources and constants with a clip's planes in place: nothing is rebuilt."""
         planes = clip.equations()
@@ -115,11 +130,10 @@ def build_accelerator(
         center: World position that becomes the origin of scene space.
         bounds: (2, 3) world box of the whole scene, other data included; the bodies' by default.
     """
-    geometries = {id(b.geometry): b.geometry for b in bodies}
-    packed = {key: pack_geometry(g) for key, g in geometries.items()}
+    packed = _packed_with_levels(bodies)
     first_slots: dict[int, int] = {}
     slots, attributes, items = [], [], []
-    grids = np.zeros(1 + len(geometries), GRID)
+    grids = np.zeros(1 + len(packed), GRID)
     grid_of: dict[int, int] = {}
     slot_count, cell_count = 0, 0
     grids[0], cell_count = _top_grid(bodies, center)
@@ -144,6 +158,7 @@ def build_accelerator(
     objects = np.zeros(max(1, len(bodies)), OBJECT)
     for index, body in enumerate(bodies):
         objects[index] = _object(body, packed[id(body.geometry)], grids[grid_of[id(body.geometry)]])
+    objects = _with_levels(objects, bodies, packed, {k: grids[n] for k, n in grid_of.items()})
     # a single instance needs no grid above it
     top = objects[int(instances[0]["object"])]["grid"] if len(instances) == 1 else grids[0]
     resources = {
@@ -181,6 +196,7 @@ def build_accelerator(
             "HAS_RODS": any(p.has_rods for p in packed.values()),
             "HAS_TRIANGLES": any(p.has_triangles for p in packed.values()),
             "HAS_TOP_LEVEL": len(instances) != 1,
+            "HAS_LEVELS": any(b.geometry.levels for b in bodies),
         },
         bytes=sum(table_bytes(t) for n, t in resources.items() if n != "clusters"),
         instances=sum(len(b.positions) for b in bodies),
@@ -200,8 +216,47 @@ def build_accelerator(
             "instance_count": sum(len(b.positions) for b in bodies),
             "extent": extent,
             "primitive_radius": primitive_radius,
+            "eye": (0.0, 0.0, 0.0),
+            "detail_slope": 0.0,
+            "detail_floor": 0.0,
         },
     )
+
+
+def _packed_with_levels(bodies: Sequence[Body]) -> dict[int, PackedGeometry]:
+    """All geometries and their levels, by ``id``; a geometry's radius holds its levels too."""
+    packed: dict[int, PackedGeometry] = {}
+    for geometry in {id(b.geometry): b.geometry for b in bodies}.values():
+        full = pack_geometry(geometry)
+        levels = {id(level): pack_geometry(level, full.middle) for level in geometry.levels}
+        radius = max([full.radius, *(p.radius for p in levels.values())])
+        packed[id(geometry)] = replace(full, radius=radius)
+        packed |= levels
+    return packed
+
+
+def _with_levels(
+    objects: NDArray, bodies: Sequence[Body], packed: dict[int, PackedGeometry], grids: dict
+) -> NDArray:
+    """The object table with a row for each coarser level, and links from each to the next."""
+    first: dict[int, int] = {}
+    rows = []
+    for index, body in enumerate(bodies):
+        levels = body.geometry.levels
+        if not levels:
+            continue
+        key = id(body.geometry)
+        if key not in first:
+            first[key] = len(objects) + len(rows)
+            for level in levels:
+                row = np.zeros(1, OBJECT)
+                row["grid"] = grids[id(level)]
+                row["detail"] = packed[id(level)].median_radius
+                row["coarser"] = len(objects) + len(rows) + 1
+                rows.append(row)
+            rows[-1]["coarser"] = 0
+        objects[index]["coarser"] = first[key]
+    return np.concatenate([objects, *rows])
 
 
 def _joined(arrays: list[NDArray], shape: tuple[int, ...], dtype: Any) -> NDArray:
@@ -263,10 +318,9 @@ def _top_grid(bodies: Sequence[Body], center: NDArray) -> tuple[Any, int]:
         return (np.zeros(3), 1.0, np.ones(3), 0), 1
     radii = [b.radius for b in bodies if len(b.positions)]
     typical = _weighted_median(radii, [len(b.positions) for b in bodies if len(b.positions)])
-    # bounding spheres may reach beyond the boxes
-    reach = max(radii)
-    low = np.min([b[0] for b in boxes], 0) - center - reach
-    high = np.max([b[1] for b in boxes], 0) - center + reach
+    # bounding spheres may reach beyond the boxes, but nothing in them does
+    low = np.min([b[0] for b in boxes], 0) - center - 1e-3 * typical
+    high = np.max([b[1] for b in boxes], 0) - center + 1e-3 * typical
     size = high - low
     cell = max(
         2 * typical, float(np.cbrt(np.prod(size) / (4 * count + 8))), float(size.max()) / 512
@@ -281,7 +335,8 @@ def _object(body: Body, p: PackedGeometry, grid: Any) -> tuple:
         grid,
         p.radius,
         (0 if body.clipped else UNCLIPPED) | (0 if body.closed else OPEN),
-        (0, 0),
+        0,
+        p.median_radius,
         m.diffuse,
         m.specular,
         m.shininess,

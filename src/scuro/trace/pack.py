@@ -48,17 +48,22 @@ _LINEAR = np.where(_LINEAR <= 0.04045, _LINEAR / 12.92, ((_LINEAR + 0.055) / 1.0
 _packed: weakref.WeakKeyDictionary[Geometry, PackedGeometry] = weakref.WeakKeyDictionary()
 
 
-def pack_geometry(geometry: Geometry) -> PackedGeometry:
-    """A geometry packed for the GPU; the same geometry is packed once."""
+def pack_geometry(geometry: Geometry, middle: NDArray[np.float32] | None = None) -> PackedGeometry:
+    """A geometry packed for the GPU; the same geometry is packed once.
+
+    ``middle`` (3,) is taken off all coordinates: that of the box by default, that of the full
+    geometry for its coarser levels.
+    """
     found = _packed.get(geometry)
     if found is None:
-        found = _packed[geometry] = _pack(geometry)
+        found = _packed[geometry] = _pack(geometry, middle)
     return found
 
 
-def _pack(geometry: Geometry) -> PackedGeometry:
+def _pack(geometry: Geometry, middle: NDArray[np.float32] | None) -> PackedGeometry:
     low, high = geometry.bounds
-    middle = ((low.astype(np.float64) + high) / 2).astype(np.float32)
+    if middle is None:
+        middle = ((low.astype(np.float64) + high) / 2).astype(np.float32)
     count = len(geometry)
     radii = np.concatenate([geometry.spheres[:, 3], geometry.rods[:, :, 3].mean(axis=1)])
     median = float(np.median(radii)) if len(radii) else 0.0

@@ -17,7 +17,7 @@ struct LevelOf {
 struct Levels {
     here: LevelOf,
     next: LevelOf,
-    // first entry in `region_table` of: marks of fibres, groups of elements
+    // first entry in `region_table` of: numbers of fibres, groups of elements
     fibres: u32,
     groups: u32,
     // how far the camera is from level t towards t + 1
@@ -41,12 +41,16 @@ fn region_of(level: LevelOf, object: u32, instance: u32, element: u32) -> u32 {
     if (level.kind == BY_OBJECT) {
         return region_table[level.table + object] + 1u;
     }
-    let fibre = region_table[levels.fibres + object] != 0u;
+    let fibre = region_table[levels.fibres + object];
+    if (fibre != 0u) {
+        // a curve comes in pieces: its number within its ingredient tells it apart
+        return pair_label(0x80000000u + fibre, element);
+    }
     if (level.kind == BY_GROUP) {
         let offset = region_table[level.table + object];
         if (offset != NO_GROUPS) {
             return pair_label(instance, region_table[levels.groups + offset + element] + 2u);
         }
     }
-    return pair_label(instance, select(0u, element + 2u, fibre));
+    return pair_label(instance, 0u);
 }

@@ -6,6 +6,8 @@ override HAS_RODS: bool = true;
 override HAS_TRIANGLES: bool = true;
 override HAS_TOP_LEVEL: bool = true;
 override CLIPPED: bool = true;
+// Whether any object has coarser levels of detail.
+override HAS_LEVELS: bool = true;
 
 //#include "scene_types.wgsl"
 
@@ -27,6 +29,10 @@ struct Traced {
     // of the bounding sphere around the local origin
     radius: f32,
     flags: u32,
+    // the same at the next coarser level of detail, 0 for none
+    coarser: u32,
+    // median radius of its spheres
+    detail: f32,
 }
 
 // What shading needs of an object.
@@ -58,6 +64,10 @@ struct Scene {
     extent: f32,
     // median primitive radius: the scale of occlusion, penumbras and offsets
     primitive_radius: f32,
+    // spheres may be merged up to a radius that grows with the distance from here
+    eye: vec3f,
+    detail_slope: f32,
+    detail_floor: f32,
 }
 
 @group(1) @binding(0) var<uniform> scene: Scene;
@@ -98,7 +108,8 @@ fn traced_object(index: u32) -> Traced {
     let b = textureLoad(objects, table_place(OBJECT_TEXELS * index + 1u), 0);
     let c = textureLoad(objects, table_place(OBJECT_TEXELS * index + 2u), 0);
     return Traced(
-        Grid(bitcast<vec3f>(a.xyz), bitcast<f32>(a.w), b.xyz, b.w), bitcast<f32>(c.x), c.y,
+        Grid(bitcast<vec3f>(a.xyz), bitcast<f32>(a.w), b.xyz, b.w), bitcast<f32>(c.x), c.y, c.z,
+        bitcast<f32>(c.w),
     );
 }
 

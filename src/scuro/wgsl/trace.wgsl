@@ -294,6 +294,25 @@ struct Local {
     near: bool,
 }
 
+// The grid of an instance's geometry at the level of detail for its distance. Every instance changes
+// level at a distance a little its own, so that a moving camera never sees many change at once.
+fn grid_in_view(object: Traced, instance: Instance, index: u32) -> Grid {
+    let spread = 0.8 + 0.4 * f32((index * 2654435769u) >> 8u) / 16777216.0;
+    let allowed = spread
+        * (scene.detail_floor + scene.detail_slope * distance(scene.eye, instance.center));
+    var grid = object.grid;
+    var coarser = object.coarser;
+    while (coarser != 0u) {
+        let next = traced_object(coarser);
+        if (next.detail > allowed) {
+            break;
+        }
+        grid = next.grid;
+        coarser = next.coarser;
+    }
+    return grid;
+}
+
 fn local_view(ray: Ray, index: u32, t_min: f32, t_max: f32, kept: Kept) -> Local {
     let instance = instance_at(index);
     let object = traced_object(instance.object);
@@ -306,10 +325,14 @@ fn local_view(ray: Ray, index: u32, t_min: f32, t_max: f32, kept: Kept) -> Local
     if (CLIPPED && (object.flags & UNCLIPPED) != 0u) {
         bounds = Kept(-NOTHING, NOTHING, 0u);
     }
+    var grid = object.grid;
+    if (HAS_LEVELS) {
+        grid = grid_in_view(object, instance, index);
+    }
     return Local(
         Ray(rotate(inverse, -to_center), rotate(inverse, ray.direction)),
         bounds,
-        object.grid,
+        grid,
         half > 0.0 && along - half <= t_max && along + half >= t_min,
     );
 }

@@ -13,6 +13,9 @@ MAX_TILES = 65535
 _CLUSTERS_LIMIT = 1 << 20
 """With more clusters than this, instances stand for themselves."""
 
+_RUNS_LIMIT = 128
+"""So do they with more bodies than this: each body's clusters take a dispatch of their own."""
+
 
 def find_tiles(frame: Frame) -> None:
     """Fill ``tile_list`` and ``tile_count`` for :meth:`Frame.compute_tiles`."""
@@ -38,8 +41,9 @@ def find_tiles(frame: Frame) -> None:
             label="tiles",
         )
 
-    if accelerator.cluster_instances <= _CLUSTERS_LIMIT:
-        for first_instance, copies, first, clusters in accelerator.cluster_runs:
+    runs = accelerator.cluster_runs
+    if accelerator.cluster_instances <= _CLUSTERS_LIMIT and len(runs) <= _RUNS_LIMIT:
+        for first_instance, copies, first, clusters in runs:
             run(
                 "mark",
                 copies * clusters,
