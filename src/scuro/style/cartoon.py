@@ -48,11 +48,12 @@ def subdivision(residues: int, options: Representation) -> tuple[int, int]:
 
 
 def join(*parts: Geometry) -> Geometry:
-    """One geometry of several in the same frame."""
+    """One geometry of several in the same frame, without their coarser levels."""
     return Geometry(
         **{
             name: np.concatenate([getattr(part, name) for part in parts])
             for name in Geometry.__dataclass_fields__
+            if name != "levels"
         }
     )
 

@@ -256,7 +256,7 @@ def _with_levels(
                 rows.append(row)
             rows[-1]["coarser"] = 0
         objects[index]["coarser"] = first[key]
-    return np.concatenate([objects, *rows])
+    return np.concatenate([objects, *rows]) if rows else objects
 
 
 def _joined(arrays: list[NDArray], shape: tuple[int, ...], dtype: Any) -> NDArray:
