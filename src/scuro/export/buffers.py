@@ -32,8 +32,9 @@ def read_buffer(frame: Frame, name: str) -> NDArray:
     ``position`` (world; NaN where empty), ``normal`` (world, unit; 0 where empty), ``color``
     (linear base colour), ``depth`` (along -z of the view; infinite where empty), ``atom``,
     ``instance``, ``object`` (int32, -1 where empty), ``visibility`` (1 is open), ``shadow`` (the
-    lights' mean, 1 is lit), ``volume_opacity`` (a volume's, 0 to 1), ``volume_depth`` (where half of
-    that is reached; infinite where there is none), ``linear`` (the picture as premultiplied linear light, h, w, 4).
+    lights' mean, 1 is lit), ``volume_opacity`` (a volume's, 0 to 1), ``volume_depth`` (where half
+    of that is reached; infinite where there is none), ``linear`` (the picture as premultiplied
+    linear light, h, w, 4).
 
     Raises:
         SettingsError: The frame has no such buffer.

@@ -92,8 +92,12 @@ def from_colormap(
     Raises:
         SettingsError: no such colormap.
     """
+    import logging
+
     import cmap
 
+    # short names that stand for one of several colormaps are what people know
+    logging.getLogger("cmap").setLevel(logging.ERROR)
     try:
         colormap = cmap.Colormap(name)
     except (ValueError, TypeError, KeyError):

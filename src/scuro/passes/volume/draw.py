@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,8 +15,10 @@ from scuro.passes.volume.cone_sections import ConeSections, cone_sections
 from scuro.passes.volume.grid import VolumeGrid
 from scuro.passes.volume.pyramid import Pyramid
 from scuro.passes.volume.settings import VolumeSettings
+from scuro.passes.volume.solids import solid_fraction, texels_for
 from scuro.reference.volume_cones import draw_monte_carlo
 from scuro.scene.clip import Clip
+from scuro.scene.geometry import Body
 from scuro.scene.volume import Volume
 from scuro.style.transfer import TransferFunction
 
@@ -74,7 +77,7 @@ class VolumePicture:
         """The extinction pyramid for the current transfer function and clipping."""
         key = (id(classified), settings.sigma, settings.coefficients, clip, id(solids))
         return self._keep(
-            "pyramid",
+            "pyramid" if solids is None else "pyramid with solids",
             key,
             lambda: Pyramid(
                 classified,
@@ -172,6 +175,60 @@ class VolumePicture:
             shader, "main", (BRICK * groups, BRICK, BRICK), resources, chosen, label="volume light"
         )
         return texture
+
+    def solids(self, bodies: Sequence[Body]) -> Any:
+        """A texture over the volume that is 1 where surfaces fill space; None without surfaces."""
+        if not bodies:
+            return None
+        size = texels_for(self.grid.size)
+        world_from_scene = np.eye(4)
+        world_from_scene[:3, 3] = -np.asarray(self.center)
+        matrix = self.grid.texture_from_scene @ world_from_scene
+        return self._keep(
+            "solids",
+            tuple(map(id, bodies)),
+            lambda: self.gpu.texture_from(
+                solid_fraction(bodies, matrix, size), "r16float", dimension="3d"
+            ),
+        )
+
+    def light_surfaces(
+        self,
+        record: Recorder,
+        settings: VolumeSettings,
+        transfer: TransferFunction,
+        *,
+        view: dict[str, Any],
+        lights: dict[str, Any],
+        size: tuple[int, int],
+        surface: Any,
+        out: Any,
+        clip: Clip,
+    ) -> None:
+        """Record how much light the volume's matter leaves to each pixel's surface.
+
+        Args:
+            surface: The G-buffer's ``surface`` texture.
+            out: r32float texture, 1 where nothing is taken; see :meth:`draw` for the others.
+        """
+        classified = self.classified(transfer, settings)
+        pyramid = self.pyramid(classified, settings, clip)
+        record.compute(
+            "passes/volume/on_surfaces.wgsl",
+            "main",
+            size,
+            {
+                **classified.resources(),
+                **self.cones(settings, pyramid),
+                "volume": self.uniform(settings, clip, classified),
+                "view": view,
+                "lights": lights,
+                "surface": surface,
+                "surface_light": out,
+            },
+            {"OCCLUSION": settings.occlusion.on, "SHADOWS": settings.shadow.on},
+            label="volume on surfaces",
+        )
 
     def draw(
         self,

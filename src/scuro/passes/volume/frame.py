@@ -37,6 +37,8 @@ class Volumes:
             raise SettingsError(f"one volume a picture: the scene has {names}")
         item = scene.volumes[0]
         settings = frame.settings.volume
+        if frame.settings.shadows.technique != "none":
+            settings = settings.replace(shadow__on=True)
         center = frame.accelerator.center
         if (
             self._picture is None
@@ -56,18 +58,42 @@ class Volumes:
                 f"at most {MOST_SHADOWS} lights cast shadows in a volume, not {casting}; "
                 "turn the shadow of the others off"
             )
+        bodies = scene.bodies()
+        lighted = settings.occlusion.on or settings.shadow.on
+        common = {
+            "view": frame.resources["view"],
+            "lights": lights,
+            "size": frame.size,
+            "clip": scene.clip,
+        }
         self._picture.draw(
             frame.recorder,
             settings,
             transfer,
-            view=frame.resources["view"],
-            lights=lights,
-            size=frame.size,
             color=frame.target("volume_color", "rgba16float"),
             depth=frame.target("volume_depth", "r32float"),
-            clip=scene.clip,
-            surface=frame.resources["surface"] if scene.bodies() else None,
+            surface=frame.resources["surface"] if bodies else None,
+            solids=self._picture.solids(bodies) if lighted else None,
+            **common,
         )
+        on_surfaces = bool(bodies) and lighted
+        surface_light = frame.target(
+            "surface_light", "r32float", size=frame.size if on_surfaces else (1, 1)
+        )
+        if on_surfaces:
+            self._picture.light_surfaces(
+                frame.recorder,
+                settings,
+                transfer,
+                surface=frame.resources["surface"],
+                out=surface_light,
+                **common,
+            )
         combined = frame.target("combined", "rgba16float")
-        frame.compute("passes/volume/over.wgsl", {"combined": combined}, label="volume over")
+        frame.compute(
+            "passes/volume/over.wgsl",
+            {"combined": combined},
+            constants={"SURFACES": on_surfaces},
+            label="volume over",
+        )
         frame.resources["color"] = combined

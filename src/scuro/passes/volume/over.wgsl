@@ -2,7 +2,11 @@
 
 @group(2) @binding(0) var color: texture_2d<f32>;
 @group(2) @binding(1) var volume_color: texture_2d<f32>;
+// share of their light that the volume leaves to surfaces
+@group(2) @binding(3) var surface_light: texture_2d<f32>;
 @group(2) @binding(2) var combined: texture_storage_2d<rgba16float, write>;
+
+override SURFACES: bool = false;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -10,6 +14,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let front = textureLoad(volume_color, id.xy, 0);
-    let back = textureLoad(color, id.xy, 0);
+    var back = textureLoad(color, id.xy, 0);
+    if (SURFACES) {
+        back = vec4f(back.rgb * textureLoad(surface_light, id.xy, 0).x, back.a);
+    }
     textureStore(combined, id.xy, front + back * (1.0 - front.a));
 }
