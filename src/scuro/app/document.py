@@ -11,6 +11,7 @@ import click
 
 from scuro.app.options import parse_element, take_changes, with_settings
 from scuro.errors import SettingsError
+from scuro.export.looks import with_look
 from scuro.export.scene_file import Input, SceneFile, Show, is_scene_file, read_scene_file
 from scuro.load import LoadOptions
 from scuro.render_settings import Settings
@@ -43,6 +44,12 @@ def with_document(command: click.Command) -> click.Command:
             f"e.g. --light point,position=0,20,50,intensity=2. Keys: {_LIGHT_KEYS}.",
         ),
         click.option(
+            "--look",
+            metavar="NAME",
+            help="Draw in a look: qutemol, goodsell, textbook, clay, journal, ink, cover, or one "
+            "of your own; other options change it.",
+        ),
+        click.option(
             "--clip",
             multiple=True,
             metavar="X,Y,Z[,offset=…][,point=x,y,z]",
@@ -71,8 +78,10 @@ def take_document(values: dict[str, Any]) -> SceneFile:
     """
     inputs, format = values.pop("inputs"), values.pop("format")
     assembly, lights = values.pop("assembly"), values.pop("light")
-    cuts = values.pop("clip")
+    cuts, look = values.pop("clip"), values.pop("look")
     base = _base(inputs, format)
+    if look is not None:
+        base = with_look(base, look)
     if assembly is not None:
         base = replace(base, input=tuple(i.replace(assembly=assembly) for i in base.input))
     return replace(

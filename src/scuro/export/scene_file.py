@@ -51,6 +51,7 @@ class Show(SettingsGroup):
     color: str = setting("element", "color scheme, color name or #rrggbb")
     select: str = setting("all", "which atoms, in PyMOL's words")
     opacity: float = setting(1.0, "1 is solid", low=0, high=1)
+    optional: bool = setting(False, "leave it out where the selection matches nothing")
     sizes: Representation = Representation()
 
 
@@ -111,6 +112,8 @@ class SceneFile:
             shown = shown or [(Show(), True)]
             shown.append((Show(style=clipping.cube_rest, color="chain"), False))
         for show, clipped in shown:
+            if show.optional and not _matches(scene, show.select):
+                continue
             scene.show(
                 show.style,
                 select=show.select,
@@ -142,12 +145,7 @@ class SceneFile:
 
 def _spared(scene: Scene, shows: tuple[Show, ...], spare: str) -> list[tuple[Show, bool]]:
     """Each representation in two: what is cut, and what clipping spares."""
-    from scuro.style.selection import select
-
-    def matches(words: str) -> bool:
-        return any(select(item.molecule, words).any() for item in scene.molecules)
-
-    if not matches(spare):
+    if not _matches(scene, spare):
         raise SettingsError(f"--spare '{spare}' selects no atoms")
     found = []
     for show in shows:
@@ -155,9 +153,15 @@ def _spared(scene: Scene, shows: tuple[Show, ...], spare: str) -> list[tuple[Sho
             (f"({show.select}) and not ({spare})", True),
             (f"({show.select}) and ({spare})", False),
         ):
-            if matches(words):
+            if _matches(scene, words):
                 found.append((show.replace(select=words), clipped))
     return found
+
+
+def _matches(scene: Scene, selection: str) -> bool:
+    from scuro.style.selection import select
+
+    return any(select(item.molecule, selection).any() for item in scene.molecules)
 
 
 def _changed(group: SettingsGroup) -> dict[str, Any]:

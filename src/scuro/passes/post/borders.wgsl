@@ -51,6 +51,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     for (var ring = 1.0; ring < borders.width + 1.0; ring += 1.0) {
         // how far the nearest surface on a ring around the pixel stands out
         var jump = 0.0;
+        // facets and rounding make steps of less than the pixels are wide
+        let step_size = ring * pixel_width(here.w) * f32(here.w > 0.0);
         var offset = vec2f(ring, 0.0);
         for (var i = 0u; i < directions; i += 1u) {
             let step = round(offset);
@@ -59,9 +61,9 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
             jump = max(jump, expected - textureLoad(depths, place, 0).x);
             offset = turn * offset;
         }
-        let width = borders.width * sqrt(saturate(jump / borders.jump));
+        let width = borders.width * sqrt(saturate((jump - step_size) / borders.jump));
         // the pixel's share of a line that begins half a pixel from the surface's last
-        covered = max(covered, saturate(width + 1.0 - ring) * f32(jump > 0.0));
+        covered = max(covered, saturate(width + 1.0 - ring) * f32(jump > step_size));
     }
     covered *= borders.opacity;
     let under = textureLoad(color, pixel, 0);
