@@ -19,6 +19,7 @@ COMMANDS = {
     "render": "Render a picture of a file.",
     "info": "Say what a file holds.",
     "devices": "List the GPU adapters of this machine.",
+    "movie": "Make a film of a file.",
     "compare": "Hold every technique against the reference.",
     "bench": "Measure speed and memory.",
     "save": "Write a scene file: all that a picture depends on.",

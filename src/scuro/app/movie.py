@@ -1,0 +1,80 @@
+"""``scuro movie``: a film of a file."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import click
+
+from scuro.app.cli import INTERRUPTED
+from scuro.app.document import take_document, with_document
+from scuro.app.options import SettingsCommand, take_changes, with_settings
+from scuro.app.output import print_json, progress, stage
+from scuro.export.motion import MovieSettings
+
+
+@with_document
+@with_settings(MovieSettings, title="Film")
+@click.command(cls=SettingsCommand)
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    metavar="FILM",
+    help="Where to: .gif, .mp4, .webm, or a folder for numbered frames.",
+)
+@click.option("--device", metavar="N|NAME", help="The adapter to use: see 'scuro devices'.")
+@click.option("--json", "as_json", is_flag=True, help="Say what was done as one JSON object.")
+def command(output: str, device: str | None, as_json: bool, **values: Any) -> None:
+    """Make a film of a file: a turntable unless told otherwise.
+
+    Takes the options of 'scuro render'. Frames are kept beside the film until it is finished: after
+    Ctrl-C, a crash or a full disk, the same command goes on where it stopped.
+    """
+    from scuro.export.motion import Motion
+    from scuro.export.movie import Film, check_format, stamps
+
+    start = time.perf_counter()
+    movie = MovieSettings().replace(**take_changes(MovieSettings, values))
+    document = take_document(values)
+    check_format(output)
+    with stage(f"reading {', '.join(Path(line.path).name for line in document.input)}"):
+        motion = Motion(document, movie)
+    files = [line.path for line in document.input]
+    files += [p for p in (document.load.trajectory, movie.keys) if p]
+    about = {"document": document.as_dict(), "movie": movie.as_dict(), "files": stamps(files)}
+    film = Film(output, motion, about)
+    drawn = _draw(film, motion.length, device)
+    with stage(f"writing {output}"):
+        film.join()
+    if as_json:
+        seconds = round(time.perf_counter() - start, 3)
+        size = Path(output).stat().st_size if Path(output).is_file() else None
+        print_json(
+            {"output": output, "frames": motion.length, "drawn": drawn, "seconds": seconds,
+             "bytes": size}
+        )  # fmt: skip
+
+
+def _draw(film: Any, length: int, device: str | None) -> int:
+    """Draw what is missing; the number of frames drawn."""
+    from scuro.render import Renderer
+
+    missing = len(film.missing)
+    renderer = Renderer(device) if missing else None
+    done = length - missing
+    with progress() as shown:
+        task = shown.add_task("drawing frames", total=length, completed=done)
+        try:
+            for _ in film.draw(renderer) if renderer else ():
+                done += 1
+                shown.advance(task)
+        except KeyboardInterrupt:
+            click.echo(
+                f"scuro: stopped after {done} of {length} frames; the same command goes on",
+                err=True,
+            )
+            raise click.exceptions.Exit(INTERRUPTED) from None
+    return missing
