@@ -13,6 +13,7 @@ from scuro.app.cli import STARTED
 from scuro.app.document import take_document, with_document
 from scuro.app.options import SettingsCommand
 from scuro.app.output import print_json, progress, stage
+from scuro.errors import SettingsError
 from scuro.measure.memory import peak_memory_mb
 
 if TYPE_CHECKING:
@@ -73,15 +74,26 @@ def command(
     with stage(f"reading {', '.join(Path(line.path).name for line in document.input)}"):
         scene = document.scene()
         clock("load")
-    with stage("drawing"):
-        renderer, camera, image = _draw(document, scene, device, clock)
-    with stage(f"writing {output}"):
-        image.save(output, bits=int(bits), dpi=dpi, settings=document.as_dict(Path(output).parent))
-        if buffers:
-            from scuro.export.image import save_buffers
+    renderer, camera = _prepare(document, scene, device, clock)
+    note = document.as_dict(Path(output).parent)
+    parts = len(renderer.parts(document.settings))
+    if parts > 1 and buffers:
+        raise SettingsError("a picture drawn in parts has no buffers: lower --size or --antialias")
+    if parts > 1:
+        _print(output, renderer, scene, camera, document, parts, bits=int(bits), dpi=dpi, note=note)
+        clock("first_frame")
+    else:
+        with stage("drawing"):
+            image = renderer.render(scene, camera, document.settings)
+            _warn_of_nothing(scene, image)
+            clock("first_frame")
+        with stage(f"writing {output}"):
+            image.save(output, bits=int(bits), dpi=dpi, settings=note)
+            if buffers:
+                from scuro.export.image import save_buffers
 
-            save_buffers(buffers, image.buffers())
-        clock("write")
+                save_buffers(buffers, image.buffers())
+            clock("write")
     seconds["total"] = time.perf_counter() - STARTED
     # extra frames come last: they are no part of what the picture took
     wanted = frames if frames is not None else int(as_json)
@@ -118,9 +130,9 @@ class _Clock:
         self._last = now
 
 
-def _draw(
+def _prepare(
     document: SceneFile, scene: Scene, device: str | None, clock: _Clock
-) -> tuple[Renderer, Camera, Image]:
+) -> tuple[Renderer, Camera]:
     from scuro.passes.post.stereo import eye_size
     from scuro.render import Renderer
     from scuro.scene.view import view_camera
@@ -131,9 +143,42 @@ def _draw(
     camera = view_camera(scene, document.view, width / height)
     renderer.accelerator(scene)
     clock("build")
-    image = renderer.render(scene, camera, document.settings)
-    clock("first_frame")
-    return renderer, camera, image
+    return renderer, camera
+
+
+def _print(
+    output: str,
+    renderer: Renderer,
+    scene: Scene,
+    camera: Camera,
+    document: SceneFile,
+    parts: int,
+    **options: Any,
+) -> None:
+    """Draw a picture in parts, those that are not PNGs in memory."""
+    if not output.lower().endswith(".png"):
+        image = renderer.render(scene, camera, document.settings)
+        image.save(output, bits=options["bits"], dpi=options["dpi"], settings=options["note"])
+        return
+    from scuro.export.parts import save_in_parts
+
+    with progress() as shown:
+        task = shown.add_task("drawing parts", total=parts)
+        save_in_parts(
+            output,
+            renderer,
+            scene,
+            camera,
+            document.settings,
+            on_part=lambda: shown.advance(task),
+            **options,
+        )
+
+
+def _warn_of_nothing(scene: Scene, image: Image) -> None:
+    """Say so where clipping leaves nothing to see."""
+    if scene.clip.planes and not scene.volumes and (image.buffer("object") < 0).all():
+        click.echo("scuro: clipping removes everything: this is the background", err=True)
 
 
 def _steady(

@@ -82,7 +82,9 @@ class Motion:
         self._look = with_look(document, movie.to_look).settings if movie.to_look else None
         width, height = eye_size(document.settings.stereo, document.settings.size)
         self._aspect = width / height
-        self._camera = view_camera(self.scene, document.view, self._aspect)
+        self._camera = view_camera(
+            self.scene, document.view, self._aspect, turning=movie.motion != "none"
+        )
         self._clip = self.scene.clip
         if movie.sweep and not self._clip.planes:
             raise SettingsError("--sweep moves clipping planes: give --clip, too")

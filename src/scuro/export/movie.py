@@ -6,6 +6,7 @@ frame depends on nothing but its number, the film is the same as without the bre
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import shutil
@@ -62,10 +63,8 @@ class Film:
     def _prepare(self) -> None:
         plan = self.folder / _PLAN
         known = None
-        try:
+        with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
             known = json.loads(plan.read_text())["film"]
-        except (OSError, ValueError, KeyError, TypeError):
-            pass
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:

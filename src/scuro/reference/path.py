@@ -30,9 +30,7 @@ class PathSettings(SettingsGroup):
     seconds: float | None = setting(
         None, "stop after this time, if it comes before the samples", low=0, unit="s"
     )
-    bounces: int = setting(
-        4, "times a path may scatter; 1 is direct light", low=1, high=64
-    )
+    bounces: int = setting(4, "times a path may scatter; 1 is direct light", low=1, high=64)
     environment: str = setting(
         "constant",
         "ambient light around the scene: equal everywhere, or brighter from above",

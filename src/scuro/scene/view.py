@@ -71,13 +71,16 @@ class ViewSettings(SettingsGroup):
     up: tuple[float, float, float] | None = setting(None, "upward direction of the picture")
 
 
-def view_camera(scene: Scene, view: ViewSettings, aspect: float) -> Camera:
+def view_camera(
+    scene: Scene, view: ViewSettings, aspect: float, *, turning: bool = False
+) -> Camera:
     """The camera that a view of a scene means.
 
     Args:
         scene: What is seen.
         view: From where.
         aspect: The picture's width over its height.
+        turning: Whether the camera will go around, so that it must see all from every side.
 
     Raises:
         SettingsError: The focus selects nothing.
@@ -88,6 +91,8 @@ def view_camera(scene: Scene, view: ViewSettings, aspect: float) -> Camera:
         camera = _placed(view, bounds)
     else:
         direction, up = _direction(view, points, _sides(scene))
+        if turning and len(points):
+            points = _revolved(points, bounds.mean(axis=0), direction, up)
         camera = Camera.fitted(
             bounds,
             direction=direction,
@@ -102,6 +107,16 @@ def view_camera(scene: Scene, view: ViewSettings, aspect: float) -> Camera:
             eye = tuple((np.asarray(camera.position) + shift).tolist())
             camera = replace(camera, position=eye, target=view.target)
     return _zoomed(_rolled(camera, view.roll), view.zoom)
+
+
+def _revolved(points: NDArray, center: NDArray, direction: tuple, up: tuple) -> NDArray[np.float64]:
+    """Points and radii turned to twelve sides about the picture's vertical through ``center``."""
+    axis = Camera(direction, (0, 0, 0), up).view_from_world()[1, :3]
+    half = np.radians(np.arange(0, 360, 30))[:, None] / 2
+    turns = rotation_matrices(np.concatenate([axis * np.sin(half), np.cos(half)], axis=1))
+    turned = np.einsum("kij,nj->kni", turns, points[:, :3] - center) + center
+    radii = np.broadcast_to(points[None, :, 3:], (*turned.shape[:2], 1))
+    return np.concatenate([turned, radii], axis=-1).reshape(-1, 4)
 
 
 def _placed(view: ViewSettings, bounds: NDArray) -> Camera:
