@@ -18,6 +18,7 @@ from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion
 from scuro.passes.part import Part, split
+from scuro.passes.part import bands as split_bands
 from scuro.passes.post.antialias import FILTER_RADIUS, filter_down
 from scuro.passes.post.borders import borders_reach, draw_borders
 from scuro.passes.post.focus import draw_focus, focus_reach
@@ -186,8 +187,11 @@ class Renderer:
         filter_down(frame)
         return frame
 
-    def parts(self, settings: Settings) -> list[Part]:
-        """The parts in which a picture is drawn, row by row: one, unless it is large or stereo."""
+    def parts(self, settings: Settings, bands: int = 1) -> list[Part]:
+        """The parts in which a picture is drawn, row by row: one, unless it is large or stereo.
+
+        ``bands`` cuts a picture that could be drawn at once into about so many.
+        """
         margin = (
             _SCREEN_SPACE
             + borders_reach(settings.borders)
@@ -202,6 +206,8 @@ class Renderer:
             margin=round(margin),
             max_texture=self.gpu.max_texture,
         )
+        if bands > 1 and len(parts) == 1:
+            parts = split_bands(size, margin=round(margin), count=bands)
         if settings.stereo.mode != "side-by-side":
             return parts
         both = [replace(part, eye=-1) for part in parts]

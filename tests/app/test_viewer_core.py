@@ -65,12 +65,12 @@ def rest(view, clock):
     for _ in range(10):
         view.draw()
         if view.wait is None:
-            return view.frame
+            return view.drawn
     raise AssertionError("the picture never comes to rest")
 
 
 def pixels(view):
-    return view.renderer.gpu.read_texture(view.frame.resources["picture"])
+    return view.renderer.gpu.read_texture(view.drawn.resources["picture"])
 
 
 def test_undo_takes_back_a_whole_gesture_and_redo_brings_it_again(view):
@@ -112,8 +112,8 @@ def test_a_moving_picture_is_smaller_and_a_resting_one_is_what_render_makes(view
     view.move(navigate.orbit(view.camera, (20, 10), SIZE))
     assert view.draw().size == moving_size(SIZE, 0.5)
     assert view.share < 1 and 0 < view.wait <= REST
-    frame = rest(view, clock)
-    assert frame.size == SIZE and view.share == 1
+    drawn = rest(view, clock)
+    assert drawn.size == SIZE and view.share == 1
     expected = renderer.render(view.model.scene, view.camera, view.full_settings)
     assert (pixels(view) == expected.pixels).all()
 
@@ -171,13 +171,13 @@ def test_axis_views_and_fit(view, clock):
     view.move(navigate.zoom(view.camera, 30, view.camera.target))
     view.fit()
     rest(view, clock)
-    ids = view.renderer.gpu.read_texture(view.frame.resources["ids"])[..., 2]
+    ids = view.renderer.gpu.read_texture(view.drawn.resources["ids"])[..., 2]
     assert (ids[0] == 0xFFFFFFFF).all() and (ids[60] != 0xFFFFFFFF).any()
 
 
 def test_a_click_names_the_atom_that_the_ids_say_and_shift_adds(view, controls, clock):
     rest(view, clock)
-    ids = view.renderer.gpu.read_texture(view.frame.resources["ids"])
+    ids = view.renderer.gpu.read_texture(view.drawn.resources["ids"])
     atom = int(ids[60, 80, 0])
     for kind in ("pointer_down", "pointer_up"):
         controls.handle(event(kind, 80.5, 60.5))

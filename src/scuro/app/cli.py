@@ -17,6 +17,8 @@ STARTED = time.perf_counter()
 
 COMMANDS = {
     "render": "Render a picture of a file.",
+    "view": "Look at files in a window.",
+    "serve": "Look at files in browsers.",
     "info": "Say what a file holds.",
     "devices": "List the GPU adapters of this machine.",
     "movie": "Make a film of a file.",

@@ -477,6 +477,21 @@ class Recorder:
             source.size,
         )
 
+    def copy_region(
+        self,
+        source: Any,
+        target: Any,
+        source_origin: tuple[int, int],
+        target_origin: tuple[int, int],
+        size: tuple[int, int],
+    ) -> None:
+        """Copy a rectangle of one 2-D texture into another of the same format."""
+        self._encoder.copy_texture_to_texture(
+            {"texture": source, "mip_level": 0, "origin": (*source_origin, 0)},
+            {"texture": target, "mip_level": 0, "origin": (*target_origin, 0)},
+            (*size, 1),
+        )
+
     def _timing(self, label: str) -> dict:
         if self._queries is None or len(self._labels) >= _MAX_TIMED:
             return {}

@@ -78,3 +78,23 @@ def split(
             drawn = (min(right + margin, width) - x, min(bottom + margin, height) - y)
             parts.append(Part((x, y), drawn, (left, top, right, bottom)))
     return parts
+
+
+def bands(size: tuple[int, int], *, margin: int, count: int) -> list[Part]:
+    """About ``count`` parts of the picture's full width, from top to bottom.
+
+    Args:
+        size: Width and height of the picture in output pixels.
+        margin: Output pixels that each part draws beyond what is kept.
+        count: How many parts are wanted; there may be fewer.
+    """
+    width, height = size
+    margin = -(-margin // _ALIGN) * _ALIGN
+    step = -(-height // (count * _ALIGN)) * _ALIGN
+    parts = []
+    for top in range(0, height, step):
+        bottom = min(top + step, height)
+        y = max(top - margin, 0)
+        drawn = (width, min(bottom + margin, height) - y)
+        parts.append(Part((0, y), drawn, (0, top, width, bottom)))
+    return parts

@@ -170,7 +170,7 @@ def _along(normal: NDArray, move: NDArray, camera: navigate.Camera) -> float:
     flat = normal - back * (normal @ back)
     length = float(np.linalg.norm(flat))
     if length < 0.2:
-        return float(move @ up) * -np.sign(normal @ back)
+        return -float(move @ up) * float(np.sign(normal @ back))
     # the knob follows the pointer along the normal's image, which is foreshortened
     return float(move @ flat) / length**2
 

@@ -9,10 +9,19 @@ from pathlib import Path
 from typing import Any
 
 from scuro.errors import ScuroError
-from scuro.export.scene_file import SceneFile, Show, write_scene_file
+from scuro.export.scene_file import (
+    Input,
+    SceneFile,
+    Show,
+    is_scene_file,
+    read_scene_file,
+    write_scene_file,
+)
 from scuro.render_settings import Settings
 from scuro.scene.clip import Clip
 from scuro.scene.scene import Scene
+from scuro.settings import parameters
+from scuro.style.options import Representation
 from scuro.viewer.history import History, State
 
 
@@ -22,7 +31,8 @@ class Model:
     Args:
         document: What to show and how.
         scene: The scene already read from the document, if it was.
-        reader: Reads a document's scene; a server gives one that keeps to its files.
+        guard: Raises :class:`ScuroError` for a document that must not be shown; a server keeps
+            to its files with it.
 
     Raises:
         LoadError: An input cannot be read.
@@ -32,12 +42,12 @@ class Model:
         self,
         document: SceneFile,
         scene: Scene | None = None,
-        reader: Callable[[SceneFile], Scene] = SceneFile.scene,
+        guard: Callable[[SceneFile], None] = lambda document: None,
     ) -> None:
-        self._reader = reader
-        self.scene = scene or reader(document)
+        self._guard = guard
+        self.scene = scene or document.scene()
         if not document.show and self.scene.molecules:
-            document = replace(document, show=(Show(),))
+            document = replace(document, show=_shows(self.scene) or (Show(),))
         self.history = History(State(document, self.scene.clip))
         self._input = document.input, document.load
         self._watchers: weakref.WeakSet[Any] = weakref.WeakSet()
@@ -86,26 +96,36 @@ class Model:
 
     def open(self, document: SceneFile) -> bool:
         """Show another document; undo returns to this one."""
-        return self._apply_document(document)
-
-    def _apply_document(self, document: SceneFile) -> bool:
         state = State(document)
         return self._apply(state, lambda: self.history.change(state))
+
+    def open_path(self, path: str) -> bool:
+        """Show another file, or a scene file; :attr:`message` says why if that cannot be."""
+        document = replace(self.document, input=(Input(path=path),), show=())
+        try:
+            self._guard(document)
+            if is_scene_file(path):
+                document = read_scene_file(path)
+        except ScuroError as error:
+            self.message = str(error)
+            return False
+        return self.open(document)
 
     def _apply(self, state: State, commit: Callable[[], None]) -> bool:
         """Bring the scene in line with a state; on an error leave it as it was."""
         before = self.scene
         document = state.document
         try:
+            self._guard(document)
             if (document.input, document.load) != self._input:
-                self.scene = self._reader(document)
+                self.scene = document.scene()
             else:
-                self._show(document)
+                document.show_in(self.scene)
             self.scene.clip = state.clip
             self.scene.bodies()  # a style or colour may turn out to be wrong only now
         except ScuroError as error:
             self.scene = before
-            self._show(self.document)
+            self.document.show_in(self.scene)
             self.scene.clip = self.clip
             self.message = str(error)
             return False
@@ -116,9 +136,6 @@ class Model:
             watcher.scene_changed()
         return True
 
-    def _show(self, document: SceneFile) -> None:
-        document.show_in(self.scene)
-
     def save(self, path: str | Path, document: SceneFile | None = None) -> None:
         """Write a scene file.
 
@@ -126,3 +143,18 @@ class Model:
             SaveError: It cannot be written.
         """
         write_scene_file(path, document or self.document)
+
+
+def _shows(scene: Scene) -> tuple[Show, ...]:
+    """How a scene made in a program shows its first molecule, as the document has it."""
+    sizes = {p.name for p in parameters(Representation)}
+    return tuple(
+        Show(
+            style=shown.style,
+            color=shown.color,
+            select=shown.select,
+            opacity=shown.material.opacity,
+            sizes=Representation(**{k: v for k, v in shown.options if k in sizes}),
+        )
+        for shown in scene.molecules[0].shown
+    )

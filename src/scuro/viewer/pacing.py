@@ -8,6 +8,8 @@ GPU_TARGET, SOFTWARE_TARGET = 0.033, 0.100
 """Seconds a frame may take on a GPU and on a software adapter."""
 SMALLEST = 0.2
 """Share of the full width and height below which resolution does not drop."""
+_HOPELESS = 0.7
+"""Where the smallest picture would have to be so much smaller, effects are left out."""
 _STEPS = 20
 """Sizes are multiples of one in so many: a texture is kept for each while it is used."""
 _CALM = 1.25
@@ -25,6 +27,8 @@ class Pacing:
         self.target = target
         self.scale = 0.5
         """Share of the full width and height."""
+        self.plain = False
+        """Whether effects are left out, too: even the smallest picture takes too long with them."""
 
     def measured(self, seconds: float) -> None:
         """Take note of how long the last moving picture took, at the present scale."""
@@ -40,6 +44,8 @@ class Pacing:
             wanted = self.scale + 0.5 * (wanted - self.scale)
         steps = math.floor(wanted * _STEPS + 1e-6) or 1
         self.scale = min(1.0, max(SMALLEST, steps / _STEPS))
+        if wanted < _HOPELESS * SMALLEST and not self.plain:
+            self.plain, self.scale = True, 0.5
 
 
 def moving_size(size: tuple[int, int], scale: float) -> tuple[int, int]:

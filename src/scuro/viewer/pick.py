@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.passes.frame import Frame
 from scuro.scene.geometry import Body, rotation_matrices
 from scuro.scene.molecule import Molecule
 from scuro.scene.scene import MoleculeItem, Scene
+from scuro.viewer.drawing import Drawn
 from scuro.viewer.navigate import Size, unproject
 
 _NOTHING = 0xFFFFFFFF
@@ -57,23 +57,23 @@ class Pick:
         )
 
 
-def pick(frame: Frame, scene: Scene, x: float, y: float) -> Pick | None:
-    """What a drawn frame shows at (x, y), each 0 to 1 from the upper left; ``None`` if nothing.
+def pick(drawn: Drawn, scene: Scene, x: float, y: float) -> Pick | None:
+    """What a picture shows at (x, y), each 0 to 1 from the upper left; ``None`` if nothing.
 
     Args:
-        frame: The last frame that was submitted.
+        drawn: The picture.
         scene: What it shows.
     """
-    width, height = frame.size
+    width, height = drawn.size
     column, row = min(int(x * width), width - 1), min(int(y * height), height - 1)
     if column < 0 or row < 0:
         return None
-    ids = frame.gpu.read_texel(frame.resources["ids"], column, row)
+    ids = drawn.gpu.read_texel(drawn.resources["ids"], column, row)
     if ids[2] == _NOTHING:
         return None
-    depth = float(frame.gpu.read_texel(frame.resources["surface"], column, row)[3])
+    depth = float(drawn.gpu.read_texel(drawn.resources["surface"], column, row)[3])
     pixel: Size = (column + 0.5, row + 0.5)
-    place = unproject(frame.camera, pixel, frame.size, depth)
+    place = unproject(drawn.camera, pixel, drawn.size, depth)
     item, body, first = _owner(scene, int(ids[2]))
     element = int(ids[0].astype(np.int32))
     return Pick(item, body, int(ids[1]) - first, element, _tuple(place))

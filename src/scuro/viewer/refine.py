@@ -1,4 +1,10 @@
-"""From the rough picture of a moving scene to the full one, in steps that can be left any time."""
+"""From the rough picture of a moving scene to the full one, in steps that can be left any time.
+
+What a technique is called matters nowhere here: groups of settings are read by their shape. Numbers
+of samples are settings called ``samples``. A group is off when its switch, its main or first
+setting, is false, ``none`` or ``off``, or when another setting could choose it by name and does not
+(``renderer`` and ``path``).
+"""
 
 from __future__ import annotations
 
@@ -6,14 +12,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from scuro.passes.compose.lighting import with_implied
 from scuro.render_settings import Settings
-from scuro.settings import walk
+from scuro.settings import Parameter, SettingsGroup, parameters, subgroups
 
 MOVING_SAMPLES = 4
 """Samples a pixel of every sampling technique, at most, while something moves."""
 GROWTH = 4
 """Each step has so many times the samples of the one before, so that all steps before the last
 together cost a third of it."""
+_OFF = ("none", "off")
 
 
 @dataclass(frozen=True)
@@ -29,16 +37,28 @@ def steps(settings: Settings) -> Iterator[Step]:
     """The pictures up to the full one, whose settings are those given."""
     full = max((value or 0 for _, value in _samples(settings)), default=0)
     samples = MOVING_SAMPLES
-    while samples * GROWTH <= full:
+    while samples < full if settings.renderer == "path" else samples * GROWTH <= full:
         yield Step(_capped(settings, samples), samples / full)
-        samples *= GROWTH
+        # the path tracer goes on from the picture before; all others begin anew
+        samples = samples + MOVING_SAMPLES if settings.renderer == "path" else samples * GROWTH
     yield Step(settings, 1.0)
 
 
 def coarse(settings: Settings) -> Settings:
     """The settings with all numbers of samples as low as a moving picture needs."""
+    settings = with_implied(settings)
     open_ones = {name: MOVING_SAMPLES for name, value in _samples(settings) if value is None}
     return _capped(settings, MOVING_SAMPLES).replace(**open_ones)
+
+
+def plain(settings: Settings) -> Settings:
+    """The settings with every technique off that can be: what a very slow machine can move."""
+    off: dict[str, Any] = {}
+    for path, group in _groups(settings):
+        switch = _switch(type(group))
+        if switch is not None:
+            off["__".join((*path, switch.name))] = _off_value(switch)
+    return settings.replace(**off)
 
 
 def _capped(settings: Settings, most: int) -> Settings:
@@ -48,11 +68,37 @@ def _capped(settings: Settings, most: int) -> Settings:
 
 
 def _samples(settings: Settings) -> Iterator[tuple[str, int | None]]:
-    """Name for ``replace`` and value of every setting that is a number of samples."""
-    for path, parameter in walk(type(settings)):
-        if parameter.name != "samples" or parameter.type is not int or parameter.many:
+    """Name for ``replace`` and value of the numbers of samples of all techniques that are on."""
+    chosen = [(p.choices or (), getattr(settings, p.name)) for p in parameters(Settings)]
+    for path, group in _groups(settings):
+        switch = _switch(type(group))
+        off = switch is not None and getattr(group, switch.name) in (False, *_OFF)
+        if off or any(path[0] in words and word != path[0] for words, word in chosen):
             continue
-        value: Any = settings
-        for name in path:
-            value = getattr(value, name)
-        yield "__".join(path), value
+        for p in parameters(type(group)):
+            if p.name == "samples" and p.type is int and not p.many:
+                yield "__".join((*path, p.name)), getattr(group, p.name)
+
+
+def _groups(
+    group: SettingsGroup, path: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], SettingsGroup]]:
+    for name, _ in subgroups(type(group)):
+        inner = getattr(group, name)
+        yield (*path, name), inner
+        yield from _groups(inner, (*path, name))
+
+
+def _switch(group: type[SettingsGroup]) -> Parameter | None:
+    """The setting that turns a group's technique off."""
+    known = parameters(group)
+    first = next((p for p in known if p.main), known[0] if known else None)
+    if first is None or _off_value(first) is None:
+        return None
+    return first
+
+
+def _off_value(p: Parameter) -> Any:
+    if p.type is bool and not p.many:
+        return False
+    return next((word for word in _OFF if word in (p.choices or ())), None)

@@ -9,20 +9,22 @@ from dataclasses import replace
 from typing import Any
 
 from scuro.errors import ScuroError
-from scuro.passes.frame import Frame
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.view import ViewSettings, scene_points, view_camera
 from scuro.viewer import navigate
+from scuro.viewer.drawing import Drawing, Drawn
 from scuro.viewer.model import Model
 from scuro.viewer.pacing import GPU_TARGET, SOFTWARE_TARGET, Pacing, moving_size
 from scuro.viewer.pick import Pick, pick, sentence
-from scuro.viewer.refine import Step, coarse, steps
+from scuro.viewer.refine import Step, coarse, plain, steps
 from scuro.viewer.voxel import voxel_at, voxel_sentence
 
 REST = 0.25
 """Seconds without a change after which the picture is no longer moving."""
+FIRST_SHARE = 0.01
+"""How far a rough picture is said to be."""
 SPIN = 30.0
 """Degrees a second."""
 
@@ -50,27 +52,37 @@ class View:
         self._clock = clock
         software = renderer.gpu.info.software
         self.pacing = Pacing(SOFTWARE_TARGET if software else GPU_TARGET)
-        self.camera = view_camera(model.scene, model.document.view, size[0] / size[1])
+        self.camera = self.initial_camera()
         self.selection: list[Pick] = []
         self.spinning = False
         self.share = 0.0
         """How far the picture is refined; 1 when it is the full one."""
-        self.frame: Frame | None = None
-        self.seconds = 0.0
-        """How long the last picture took."""
+        self.drawn: Drawn | None = None
+        """The last complete picture."""
+        self.drawing = Drawing(renderer, clock)
         self.error = ""
+        self.changed: Callable[[], None] = lambda: None
+        """Called when the picture is out of date, to wake whoever shows it."""
         self._moved = -1e9
         self._spun = 0.0
         self._steps: Iterator[Step] = iter(())
+        self._step: Step | None = None
+        self._slices: Iterator[Drawn | float] = iter(())
         self.refresh()
         model.watch(self)
+
+    def initial_camera(self) -> Camera:
+        """As the document says, for this size."""
+        aspect = self.size[0] / self.size[1]
+        return view_camera(self.model.scene, self.model.document.view, aspect)
 
     # --- what is to be drawn -----------------------------------------------------------------
 
     def refresh(self) -> None:
         """The picture is out of date: draw anew, from the roughest step."""
-        self._steps = steps(self.full_settings)
+        self._steps, self._step = steps(self.full_settings), None
         self.share = 0.0
+        self.changed()
 
     def move(self, camera: Camera) -> None:
         """See the scene from elsewhere; the picture is rough until this stops."""
@@ -85,6 +97,7 @@ class View:
 
     def scene_changed(self) -> None:
         """The model's scene, settings or clipping changed."""
+        self.pacing.plain = False
         self.selection = [p for p in self.selection if p.item in self.model.scene.items]
         self.stir()
 
@@ -113,42 +126,53 @@ class View:
             return max(0.0, REST - (self._clock() - self._moved))
         return 0.0
 
-    def draw(self) -> Frame | None:
-        """Draw the next picture on the way to the full one; the last one if there is none.
+    def draw(self) -> Drawn | None:
+        """Draw the next picture, or slice of one, on the way to the full one.
 
         Returns:
-            The frame, submitted and done; ``None`` if the scene cannot be drawn as it is set, and
+            The last complete picture; ``None`` if the scene cannot be drawn as it is set, and
             :attr:`error` says why.
         """
         if self.spinning:
             self._spin()
-        if self.moving:
-            if self.share > 0:
-                return self.frame
-            scale = self.pacing.scale
-            settings = coarse(self.full_settings).replace(size=moving_size(self.size, scale))
-            self._draw(settings)
-            self.pacing.measured(self.seconds)
-            self.share = 0.01
-            return self.frame
-        step = next(self._steps, None)
-        if step is not None:
-            self._draw(step.settings)
-            self.share = step.share
-        return self.frame
-
-    def _draw(self, settings: Settings) -> None:
-        start = self._clock()
         try:
-            frame = self.renderer.frame(self.model.scene, self.camera, settings)
-            self.renderer.timings = frame.recorder.submit()
-            self.renderer.gpu.finish()
+            if self.moving:
+                if self.share == 0:
+                    self._draw_moving()
+            else:
+                self._draw_resting()
         except ScuroError as error:
-            self.frame, self.error = None, str(error)
-            self._steps = iter(())
+            self.drawn, self.error, self.share = None, str(error), 1.0
         else:
-            self.frame, self.error = frame, ""
-        self.seconds = self._clock() - start
+            self.error = ""
+        return self.drawn
+
+    def _draw_moving(self) -> None:
+        settings = coarse(self.full_settings)
+        if self.pacing.plain:
+            settings = plain(settings)
+        settings = settings.replace(size=moving_size(self.size, self.pacing.scale))
+        for drawn in self.drawing.draw(self.model.scene, self.camera, settings):
+            if isinstance(drawn, Drawn):
+                self.drawn = drawn
+        self.pacing.measured(self.drawing.seconds)
+        self.share = FIRST_SHARE
+
+    def _draw_resting(self) -> None:
+        if self._step is None:
+            self._step = next(self._steps, None)
+            if self._step is None:
+                return
+            self._before = self.share
+            settings = self._step.settings
+            # the path tracer's sums are those of the whole picture, and its steps are short
+            slices = settings.renderer != "path"
+            self._slices = self.drawing.draw(self.model.scene, self.camera, settings, slices)
+        made = next(self._slices)
+        if isinstance(made, Drawn):
+            self.drawn, self.share, self._step = made, self._step.share, None
+        else:
+            self.share = self._before + made * (self._step.share - self._before) * 0.99
 
     def _spin(self) -> None:
         now = self._clock()
@@ -175,9 +199,9 @@ class View:
 
     def pick(self, x: float, y: float) -> Pick | None:
         """The surface at (x, y), each 0 to 1 from the upper left; ``None`` if there is none."""
-        if self.frame is None:
+        if self.drawn is None:
             return None
-        return pick(self.frame, self.model.scene, x, y)
+        return pick(self.drawn, self.model.scene, x, y)
 
     def describe(self, x: float, y: float) -> str:
         """What is there in words: an atom, a cell, a voxel; empty if nothing."""

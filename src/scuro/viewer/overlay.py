@@ -1,0 +1,172 @@
+"""What lies over the picture: axis cross, scale bar, measures, labels, handles, hover text."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from scuro.viewer import navigate
+from scuro.viewer.handles import PUSH, Handles
+from scuro.viewer.labels import Label, placed
+from scuro.viewer.measure import Measure, measures
+from scuro.viewer.pick import atom_name
+from scuro.viewer.view import View
+
+if TYPE_CHECKING:
+    from scuro.viewer.navigate import Size
+
+_AXES = (("x", 0xFF4444E6), ("y", 0xFF44B844), ("z", 0xFFE67844))
+"""Colours as ImGui packs them: alpha, blue, green, red."""
+_INK, _PAPER = 0xFF202020, 0xD8FFFFFF
+_CHOSEN, _HANDLE = 0xFF20A0FF, 0xFFB0B0B0
+_MEASURE = 0xFF2090F0
+_CROSS = 32.0
+"""Pixels from the middle of the axis cross to its tips."""
+_BAR = 120.0
+"""Longest scale bar, pixels."""
+_UNITS = {"Å": ((1.0, "Å"), (10.0, "nm"), (1e4, "µm")), "mm": ((1.0, "mm"), (1e3, "m"))}
+"""Larger units of each unit of length, and how many of the unit they are."""
+
+
+def nice_length(most: float, unit: str) -> tuple[float, str]:
+    """The longest round length up to ``most``, and its text: 1, 2 or 5 times a power of ten."""
+    power = 10.0 ** math.floor(math.log10(most))
+    length = next(f * power for f in (5.0, 2.0, 1.0) if f * power <= most * (1 + 1e-9))
+    factor, name = 1.0, unit
+    for larger, word in _UNITS.get(unit, ()):
+        if length >= larger:
+            factor, name = larger, word
+    return length, f"{length / factor:g} {name}".strip()
+
+
+def scene_unit(view: View) -> str:
+    """Unit of length of the world: the volumes' own, metres for reservoirs, else ångström."""
+    for item in view.model.scene.items:
+        if hasattr(item, "volume"):
+            return str(item.volume.unit)
+        if hasattr(item, "grid"):
+            return "m"
+    return "Å"
+
+
+def draw_overlay(
+    view: View, handles: Handles, size: Size, labels: Sequence[Label], hover: str
+) -> None:
+    """Draw over the picture with ImGui, behind its windows.
+
+    Args:
+        view: Whose camera and selection.
+        handles: Of its clipping planes.
+        size: Logical pixels of the picture.
+        labels: Names to show at places.
+        hover: What is under the pointer, in words.
+    """
+    from imgui_bundle import imgui
+
+    paper = imgui.get_background_draw_list()
+    _cross(paper, view, (50, size[1] - 50))
+    _scale_bar(paper, view, size)
+    _labels(paper, view, size, labels)
+    for measure in measures([p.anchor for p in view.selection], scene_unit(view)):
+        _measure(paper, view, size, measure)
+    if handles.shown:
+        _handles(paper, view, handles, size)
+    if hover:
+        _text(paper, (12, 10), hover)
+
+
+def _cross(paper: Any, view: View, middle: Size) -> None:
+    rows = view.camera.view_from_world()[:3, :3]
+    tips = [(rows[:, axis], *_AXES[axis]) for axis in range(3)]
+    # the axis that points away is drawn first
+    for direction, name, color in sorted(tips, key=lambda tip: tip[0][2]):
+        tip = (middle[0] + _CROSS * direction[0], middle[1] - _CROSS * direction[1])
+        paper.add_line(middle, tip, color, 2.5)
+        paper.add_text((tip[0] + 3, tip[1] - 7), color, name)
+
+
+def _scale_bar(paper: Any, view: View, size: Size) -> None:
+    pixel = navigate.pixel_size(view.camera, size)
+    length, text = nice_length(_BAR * pixel, scene_unit(view))
+    right, y = size[0] - 20, size[1] - 20
+    left = right - length / pixel
+    paper.add_rect_filled((left - 1, y - 1), (right + 1, y + 4), _PAPER)
+    paper.add_rect_filled((left, y), (right, y + 3), _INK)
+    _text(paper, (left, y - 20), text)
+
+
+def _labels(paper: Any, view: View, size: Size, labels: Sequence[Label]) -> None:
+    from imgui_bundle import imgui
+
+    if not labels:
+        return
+    extents = []
+    for label in labels:
+        width, height = imgui.calc_text_size(label.text)
+        extents.append((width, height))
+    places = navigate.project(view.camera, [label.position for label in labels], size)
+    for index, corner in placed(places, extents, size):
+        _text(paper, corner, labels[index].text)
+
+
+def selection_labels(view: View) -> list[Label]:
+    """The names of the selected atoms."""
+    return [
+        Label(atom_name(p.molecule, p.element), tuple(p.anchor.tolist()))
+        for p in view.selection
+        if p.molecule is not None
+    ]
+
+
+def _measure(paper: Any, view: View, size: Size, measure: Measure) -> None:
+    places = navigate.project(view.camera, measure.points, size)
+    if not (places[:, 2] > 0).all():
+        return
+    for a, b in itertools.pairwise(places):
+        paper.add_line(tuple(a[:2]), tuple(b[:2]), _MEASURE, 2.0)
+    middle = places[:, :2].mean(axis=0)
+    _text(paper, (middle[0] + 6, middle[1] + 4), measure.text)
+
+
+def _handles(paper: Any, view: View, handles: Handles, size: Size) -> None:
+    every = handles.all()
+    if not every:
+        return
+    places = navigate.project(view.camera, [h.world for h in every], size)
+    for push, tilt in zip(range(0, len(every), 2), range(1, len(every), 2), strict=True):
+        if not (places[[push, tilt], 2] > 0).all():
+            continue
+        color = _CHOSEN if handles.chosen == every[push].plane else _HANDLE
+        knob, end = tuple(places[push, :2]), tuple(places[tilt, :2])
+        paper.add_line(knob, end, color, 2.0)
+        paper.add_circle_filled(knob, 7.0 if every[push].kind == PUSH else 5.0, color)
+        paper.add_circle_filled(end, 5.0, color)
+
+
+def arrow(paper: Any, view: View, size: Size, start: Any, vector: Any, color: int) -> None:
+    """An arrow from a world point along a world vector."""
+    places = navigate.project(view.camera, [start, np.add(start, vector)], size)
+    if not (places[:, 2] > 0).all():
+        return
+    a, b = places[:, :2]
+    paper.add_line(tuple(a), tuple(b), color, 3.0)
+    along = b - a
+    length = float(np.hypot(*along))
+    if length > 1:
+        along = along / length * min(10.0, length / 2)
+        side = np.array([-along[1], along[0]]) * 0.5
+        paper.add_triangle_filled(tuple(b), tuple(b - along + side), tuple(b - along - side), color)
+
+
+def _text(paper: Any, corner: Size, text: str) -> None:
+    """Dark text on a light ground: readable on every picture."""
+    from imgui_bundle import imgui
+
+    width, height = imgui.calc_text_size(text)
+    x, y = corner
+    paper.add_rect_filled((x - 3, y - 2), (x + width + 3, y + height + 2), _PAPER, 3.0)
+    paper.add_text((x, y), _INK, text)

@@ -1,0 +1,166 @@
+"""A view, its panel and its hands together: takes events, draws into any texture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from scuro.render import Renderer
+from scuro.viewer.controls import Controls
+from scuro.viewer.drawing import Drawn
+from scuro.viewer.gui import Gui
+from scuro.viewer.handles import Handles
+from scuro.viewer.model import Model
+from scuro.viewer.overlay import draw_overlay
+from scuro.viewer.panel import WIDTH as PANEL_WIDTH
+from scuro.viewer.panel import Panel
+from scuro.viewer.view import View
+
+_MOST_OUTLINED = 32
+"""As in screen.wgsl."""
+_OUTLINE = (1.0, 0.55, 0.0, 1.0)
+LARGEST = 8192
+"""Pixels along a side of the largest picture a screen may ask for."""
+
+
+class Screen:
+    """What a window, a browser's page or a notebook's cell shows.
+
+    Args:
+        model: The scene, shared by all screens.
+        renderer: Another screen's renderer or the first; this screen draws with a sibling of it.
+        format: Of the textures it is drawn into.
+        deliver: Where saved pictures and scene files go: a name, and a function that writes them
+            to a path with that ending; it returns a sentence for people.
+        listing: Files to offer for opening.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        renderer: Renderer,
+        format: str,
+        deliver: Callable[[str, Callable[[Path], None]], str],
+        listing: Callable[[], list[str]] = list,
+    ) -> None:
+        self.model = model
+        self.gpu = renderer.gpu
+        self.view = View(model, renderer.sibling(), (64, 48))
+        self.handles = Handles(self.view)
+        self.controls = Controls(self.view, self.handles)
+        self.gui = Gui(self.gpu, format)
+        self.panel = Panel(self.view, self.handles, deliver, listing)
+        self.controls.key_hook = self.panel.key
+        self.logical = (64.0, 48.0)
+        self.ratio = 1.0
+        self._first = True
+        self._touched = True
+        self._asked: tuple[float, float] | None = None
+        self._hover = ""
+
+    def resize(self, width: float, height: float, ratio: float) -> None:
+        """Logical size, and physical pixels to each logical one."""
+        ratio = min(max(ratio, 0.25), 4.0)
+        width, height = (min(max(s, 1.0), LARGEST / ratio) for s in (width, height))
+        self.logical, self.ratio = (width, height), ratio
+        self._lay_out()
+        if self._first and min(width, height) > 1:
+            # the camera was fitted before the screen had a size
+            self._first = False
+            self.view.camera = self.view.initial_camera()
+        self._touched = True
+
+    @property
+    def physical(self) -> tuple[int, int]:
+        """Pixels of the textures to draw into."""
+        return physical(self.logical, self.ratio)
+
+    def _lay_out(self) -> None:
+        """The picture takes what the panel leaves; on a narrow screen the panel lies over it."""
+        width, height = self.logical
+        taken = PANEL_WIDTH if self.panel.open and width > 2 * PANEL_WIDTH else 0.0
+        self.controls.logical = (width - taken, height)
+        self.view.resize(physical(self.controls.logical, self.ratio))
+
+    def handle(self, event: dict[str, Any]) -> None:
+        """Act on one event of rendercanvas."""
+        self._touched = True
+        taken = self.gui.handle(event)
+        if not taken or self.controls.dragging or event["event_type"] == "pointer_leave":
+            self.controls.handle(event)
+        elif event["event_type"] == "pointer_move":
+            self.controls.pointer = None
+
+    @property
+    def wait(self) -> float | None:
+        """Seconds until there is something to draw; ``None`` when nothing changes by itself."""
+        if self._touched or self.gui.busy:
+            return 0.0
+        waits = [w for w in (self.view.wait, self.panel.wait) if w is not None]
+        return min(waits, default=None)
+
+    def draw(self, target: Any) -> None:
+        """Draw the next picture with everything over it.
+
+        Args:
+            target: Texture of the physical size.
+        """
+        self._touched = False
+        self.panel.tick()
+        self._lay_out()
+        drawn = self.view.draw()
+        self._show(drawn, target)
+        self._look()
+        self.gui.draw(target.create_view(), self.logical, self.ratio, self._interface)
+
+    def _interface(self) -> None:
+        picture = self.controls.logical
+        draw_overlay(self.view, self.handles, picture, self.panel.labels(), self._hover)
+        self.panel.draw(self.logical)
+
+    def _look(self) -> None:
+        """Ask what is under a pointer that came to rest; not while things move."""
+        pointer = self.controls.pointer
+        if self.controls.dragging or self.view.moving or pointer is None:
+            self._hover, self._asked = "", None
+        elif pointer != self._asked:
+            self._asked = pointer
+            width, height = self.controls.logical
+            self._hover = self.view.describe(pointer[0] / width, pointer[1] / height)
+
+    def _show(self, drawn: Drawn | None, target: Any) -> None:
+        recorder = self.gpu.recorder()
+        if drawn is None:
+            recorder.clear_texture(target, (0.1, 0.1, 0.11, 1.0))
+            recorder.submit()
+            return
+        chosen = [self._id(p) for p in self.view.selection if p.element >= 0][:_MOST_OUTLINED]
+        uniform = {
+            "size": self.view.size,
+            "selected": len(chosen),
+            "reach": max(1, round(self.ratio * drawn.size[0] / self.view.size[0])),
+            "color": _OUTLINE,
+            "list": chosen or [(0, 0, 0, 0)],
+        }
+        resources = {"screen": uniform, **drawn.resources}
+        recorder.draw("viewer/screen.wgsl", {"screen": target}, 3, 1, resources, clear=True)
+        recorder.submit()
+
+    def _id(self, pick: Any) -> tuple[int, int, int, int]:
+        first = 0
+        for body in self.model.scene.bodies():
+            if body is pick.body:
+                break
+            first += len(body.positions)
+        return pick.element, first + pick.instance, 0, 0
+
+    def close(self) -> None:
+        """Free what this screen holds."""
+        self.gui.close()
+
+
+def physical(logical: tuple[float, float], ratio: float) -> tuple[int, int]:
+    """Whole pixels of a logical size."""
+    width, height = (max(1, round(s * ratio)) for s in logical)
+    return width, height

@@ -1,0 +1,111 @@
+// Shows the pictures that the server sends and sends it what hands do (rendercanvas' renderview).
+'use strict'
+
+const status = document.getElementById('status')
+const scheme = window.location.protocol === 'https:' ? 'wss://' : 'ws://'
+const socket = new WebSocket(scheme + window.location.host + '/view')
+socket.binaryType = 'arraybuffer'
+
+class View extends window.BaseRenderView {
+  constructor (wrapper) {
+    const image = document.createElement('img')
+    image.alt = 'scuro'
+    image.decoding = 'sync'
+    image.style.touchAction = 'none'
+    // set here, or renderview chooses a size of its own
+    image.style.width = image.style.height = '100%'
+    image.ondragstart = () => false
+    // in the page before its size is asked for
+    wrapper.appendChild(image)
+    super(image, null)
+    this.setThrottle(20)
+  }
+
+  onEvent (event) {
+    if (socket.readyState === WebSocket.OPEN) { socket.send(JSON.stringify(event)) }
+  }
+}
+
+let view = null
+let header = null
+let shown = null
+
+function show (buffer, mimetype, index) {
+  const source = URL.createObjectURL(new Blob([buffer], { type: mimetype }))
+  view.viewElement.onload = () => {
+    if (shown !== null) { URL.revokeObjectURL(shown) }
+    shown = source
+    // the number of the picture in the page, for tools that wait for it
+    view.viewElement.dataset.index = index
+    view.onEvent({ type: 'shown', index })
+  }
+  view.viewElement.src = source
+}
+
+function save (buffer, name) {
+  const link = document.createElement('a')
+  link.href = URL.createObjectURL(new Blob([buffer]))
+  link.download = name
+  link.click()
+  window.setTimeout(() => URL.revokeObjectURL(link.href), 10000)
+}
+
+// Two fingers: their distance zooms, their middle shifts; renderview reports single pointers only.
+function followFingers (element) {
+  const fingers = new Map()
+  let last = null
+  const measure = () => {
+    const [a, b] = [...fingers.values()]
+    return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, d: Math.hypot(a.x - b.x, a.y - b.y) }
+  }
+  const base = (type, at, button) => ({
+    type, x: at.x, y: at.y, button, buttons: [], modifiers: [], timestamp: 0
+  })
+  element.addEventListener('pointerdown', (e) => {
+    if (e.pointerType !== 'touch') { return }
+    fingers.set(e.pointerId, { x: e.offsetX, y: e.offsetY })
+    if (fingers.size === 2) {
+      last = measure()
+      view.onEvent(base('pointer_up', last, 1))
+      view.onEvent(base('pointer_down', last, 2))
+    }
+  }, true)
+  element.addEventListener('pointermove', (e) => {
+    if (!fingers.has(e.pointerId)) { return }
+    fingers.set(e.pointerId, { x: e.offsetX, y: e.offsetY })
+    if (fingers.size !== 2) { return }
+    e.stopImmediatePropagation()
+    const now = measure()
+    view.onEvent(base('pointer_move', now, 0))
+    // ten percent of distance is one notch of a wheel
+    const notches = Math.log(now.d / last.d) / Math.log(1.1)
+    view.onEvent({ ...base('wheel', now, 0), dx: 0, dy: -100 * notches })
+    last = now
+  }, true)
+  const lift = (e) => {
+    if (fingers.size === 2 && fingers.has(e.pointerId)) {
+      view.onEvent(base('pointer_up', last, 2))
+    }
+    fingers.delete(e.pointerId)
+  }
+  element.addEventListener('pointerup', lift, true)
+  element.addEventListener('pointercancel', lift, true)
+}
+
+socket.onopen = () => {
+  status.textContent = ''
+  view = new View(document.getElementById('canvas'))
+  followFingers(view.viewElement)
+}
+socket.onmessage = (message) => {
+  if (typeof message.data === 'string') {
+    header = JSON.parse(message.data)
+  } else if (header.type === 'picture') {
+    show(message.data, header.mimetype, header.index)
+  } else if (header.type === 'file') {
+    save(message.data, header.name)
+  }
+}
+socket.onclose = (event) => {
+  status.textContent = (event.reason || 'disconnected') + ': reload the page to connect again'
+}

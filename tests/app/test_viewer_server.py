@@ -1,0 +1,297 @@
+"""The served viewer: who may connect, what a page may say, and that pages do not disturb others."""
+
+import asyncio
+import io
+import json
+import os
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from scuro.errors import SettingsError
+from scuro.export.scene_file import Input, SceneFile, Show
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.viewer.access import Access, Files, is_loopback
+from scuro.viewer.model import Model
+from scuro.viewer.remote import MOST_RATIO, read_event
+
+aiohttp = pytest.importorskip("aiohttp", reason="needs the viewer extra")
+pytest.importorskip("imgui_bundle", reason="needs the viewer extra")
+
+from scuro.viewer.screen import LARGEST, Screen  # noqa: E402
+from scuro.viewer.server import LONGEST_MESSAGE, MESSAGES, MOST_FAULTS, Server  # noqa: E402
+
+RESIZE = {"type": "resize", "width": 700.0, "height": 64.0, "ratio": 1.0}
+
+
+@pytest.fixture(scope="module")
+def renderer():
+    return Renderer()
+
+
+@pytest.fixture(scope="module")
+def model():
+    document = SceneFile(input=(Input(path="sample:1hpv"),), show=(Show(style="spacefill"),))
+    return Model(document)
+
+
+def served(renderer, model, scenario, access=None, most=3):
+    """Run ``scenario(session, base, server)`` against a server of its own."""
+
+    async def main():
+        from aiohttp import web
+
+        server = Server(
+            lambda deliver: Screen(model, renderer, "rgba8unorm", deliver),
+            access or Access.for_host("127.0.0.1"),
+            most,
+        )
+        runner = web.AppRunner(server.application(), access_log=None, shutdown_timeout=0.1)
+        await runner.setup()
+        await web.TCPSite(runner, "127.0.0.1", 0).start()
+        base = f"http://127.0.0.1:{runner.addresses[0][1]}"
+        try:
+            async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as session:
+                await asyncio.wait_for(scenario(session, base, server), 60)
+        finally:
+            await runner.cleanup()
+
+    asyncio.run(main())
+
+
+def view(session, base, origin="own", **options):
+    headers = {} if origin is None else {"Origin": base if origin == "own" else origin}
+    return session.ws_connect(base + "/view", headers=headers, max_msg_size=0, **options)
+
+
+async def picture(socket, timeout=30):
+    """The next picture's header and bytes."""
+    header = json.loads((await socket.receive(timeout)).data)
+    data = (await socket.receive(timeout)).data
+    if header["type"] == "picture":
+        await socket.send_json({"type": "shown", "index": header["index"]})
+    return header, data
+
+
+async def rested(socket):
+    """Pictures until the lossless one."""
+    while True:
+        header, data = await picture(socket)
+        if header.get("mimetype") == "image/png":
+            return data
+
+
+def test_only_loopback_goes_without_a_token():
+    assert all(map(is_loopback, ("127.0.0.1", "::1", "localhost", "127.9.9.9")))
+    assert not any(map(is_loopback, ("0.0.0.0", "::", "192.168.1.5", "example.org")))
+    assert Access.for_host("127.0.0.1").token is None
+    first, second = Access.for_host("0.0.0.0"), Access.for_host("0.0.0.0")
+    assert first.token and len(first.token) >= 32 and first.token != second.token
+    assert first.token in first.link(80) and first.knows(first.token)
+    assert not any(map(first.knows, (None, "", "x", first.token + "x", "ü")))
+
+
+def test_pages_come_with_headers_and_nothing_else_can_be_fetched(renderer, model):
+    async def scenario(session, base, server):
+        for path in ("/", "/client.js", "/client.css", "/renderview.js"):
+            async with session.get(base + path) as answer:
+                assert answer.status == 200 and await answer.text()
+                assert "frame-ancestors 'none'" in answer.headers["Content-Security-Policy"]
+                assert answer.headers["X-Content-Type-Options"] == "nosniff"
+        for path in ("/../pyproject.toml", "/etc/passwd", "/web/index.html", "/%2e%2e/x", "/x"):
+            async with session.get(base + path) as answer:
+                assert answer.status == 404
+
+    served(renderer, model, scenario)
+
+
+def test_other_sites_may_not_connect(renderer, model):
+    async def scenario(session, base, server):
+        port = base.rpartition(":")[2]
+        others = ("http://evil.example", "null", f"http://evil.example:{port}", None, "file://")
+        for origin in others:
+            with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+                await view(session, base, origin)
+            assert refused.value.status == 403
+        # a name of another site that was made to point here
+        headers = {"Host": f"evil.example:{port}", "Origin": f"http://evil.example:{port}"}
+        async with session.get(base + "/", headers=headers) as answer:
+            assert answer.status == 403
+        assert server.clients == 0
+
+    served(renderer, model, scenario)
+
+
+def test_outside_loopback_a_token_is_needed_and_leaves_the_address_bar(renderer, model):
+    access = Access("0.0.0.0", "secret-token")
+
+    async def scenario(session, base, server):
+        for query in ("", "?token=wrong", "?token="):
+            async with session.get(f"{base}/{query}") as answer:
+                assert answer.status == 401
+        with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+            await view(session, base)
+        assert refused.value.status == 401
+        link = f"{base}/?token=secret-token"
+        async with session.get(link, allow_redirects=False) as answer:
+            assert answer.status == 302 and answer.headers["Location"] == "/"
+            cookie = answer.headers["Set-Cookie"]
+            assert "HttpOnly" in cookie and "SameSite=Strict" in cookie
+        async with session.get(base + "/") as answer:
+            assert answer.status == 200
+        async with view(session, base) as socket:
+            await socket.send_json(RESIZE)
+            assert await rested(socket)
+
+    served(renderer, model, scenario, access)
+
+
+def test_two_pages_see_one_scene_each_from_its_own_side(renderer, model):
+    async def scenario(session, base, server):
+        async with view(session, base) as one, view(session, base) as two:
+            for socket in (one, two):
+                await socket.send_json(RESIZE)
+            await asyncio.gather(rested(one), rested(two))
+            await one.send_json({"type": "key_down", "key": "x", "modifiers": []})
+            assert await rested(one)
+            with pytest.raises(asyncio.TimeoutError):
+                await picture(two, timeout=0.5)
+            model.change(settings=model.settings.replace(background="navy"))
+            for data in await asyncio.gather(rested(one), rested(two)):
+                corner = Image.open(io.BytesIO(data)).getpixel((1, 30))
+                assert corner == (0, 0, 128)
+            model.undo()
+
+    served(renderer, model, scenario)
+
+
+def test_no_more_pages_than_allowed_and_a_place_is_free_again(renderer, model):
+    async def scenario(session, base, server):
+        async with view(session, base), view(session, base):
+            with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+                await view(session, base)
+            assert refused.value.status == 503
+        for _ in range(100):
+            if server.clients == 0:
+                break
+            await asyncio.sleep(0.05)
+        assert server.clients == 0
+        async with view(session, base) as socket:
+            await socket.send_json(RESIZE)
+            assert await rested(socket)
+
+    served(renderer, model, scenario, most=2)
+
+
+def test_rubbish_floods_and_vanishing_do_not_disturb_another_page(renderer, model):
+    async def scenario(session, base, server):
+        async with view(session, base) as good:
+            await good.send_json(RESIZE)
+            await rested(good)
+            rubbish = await view(session, base)
+            for message in ("", "{", "[]", "null", '{"type": 3}', '{"type": "eval"}', "[" * 2000):
+                await rubbish.send_str(message)
+            for _ in range(MOST_FAULTS):
+                await rubbish.send_bytes(b"\0")
+            assert await closed(rubbish) == aiohttp.WSCloseCode.POLICY_VIOLATION
+            large = await view(session, base)
+            await large.send_str("x" * (LONGEST_MESSAGE + 1))
+            assert await closed(large) == aiohttp.WSCloseCode.MESSAGE_TOO_BIG
+            flood = await view(session, base)
+            move = json.dumps({"type": "pointer_move", "x": 1, "y": 2, "button": 0})
+            try:
+                for _ in range(6 * MESSAGES):
+                    await flood.send_str(move)
+            except ConnectionError:
+                pass
+            assert await closed(flood) == aiohttp.WSCloseCode.POLICY_VIOLATION
+            gone = await view(session, base)
+            await gone.send_json(RESIZE)
+            gone._response.connection.transport.abort()
+            await good.send_json({"type": "key_down", "key": "y", "modifiers": []})
+            assert await rested(good)
+            for _ in range(100):
+                if server.clients == 1:
+                    break
+                await asyncio.sleep(0.05)
+            assert server.clients == 1
+
+    served(renderer, model, scenario)
+
+
+async def closed(socket):
+    """The code a socket is closed with."""
+    async for _ in socket:
+        pass
+    return socket.close_code
+
+
+def test_the_size_of_pictures_is_bounded(renderer, model):
+    screen = Screen(model, renderer, "rgba8unorm", lambda name, write: "")
+    screen.resize(1e6, 1e6, MOST_RATIO)
+    assert max(screen.physical) <= LARGEST
+    screen.resize(-5, 0, -1)
+    assert screen.physical == (1, 1)
+    screen.close()
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        '{"type": "resize", "width": 1e999, "height": 5, "ratio": 1}',
+        '{"type": "resize", "width": NaN, "height": 5, "ratio": 1}',
+        '{"type": "wheel", "x": 1, "y": 1, "dx": 0}',
+        '{"type": "pointer_down", "x": "1", "y": 1, "button": 1}',
+        '{"type": "pointer_down", "x": true, "y": 1, "button": 1}',
+        '{"type": "key_down", "key": 5}',
+        '{"type": "char", "data": "%s"}' % ("x" * 100),
+        '{"type": "key_down", "key": "a", "modifiers": "Shift"}',
+        '{"type": "key_down", "key": "a", "modifiers": [1]}',
+        '{"type": "shown", "index": %s}' % ("9" * 4000),
+    ],
+)
+def test_events_that_hold_what_they_cannot_are_refused(message):
+    with pytest.raises(ValueError):
+        read_event(message)
+
+
+def test_only_named_files_and_those_below_the_root_open(tmp_path):
+    root, outside = tmp_path / "root", tmp_path / "secret.pdb"
+    root.mkdir()
+    outside.write_text("ATOM")
+    (root / "inside.pdb").write_text("ATOM")
+    (root / "deep").mkdir()
+    (root / "deep" / "map.mrc").write_text("x")
+    os.symlink(outside, root / "link.pdb")
+    os.symlink(tmp_path, root / "up")
+    start = SceneFile(input=(Input(path=str(outside)),))
+    files = Files.of(SceneFile(input=(Input(path="sample:1hpv"),)), str(root))
+
+    def document(path):
+        return SceneFile(input=(Input(path=str(path)),))
+
+    files.check(document(root / "inside.pdb"))
+    files.check(document("sample:1tii"))
+    for path in (
+        outside, root / "link.pdb", root / "up" / "secret.pdb", root / ".." / "secret.pdb",
+        f"{root}/deep/../../secret.pdb", "/etc/passwd", "1abc", "-", str(root) + "x/y.pdb",
+    ):  # fmt: skip
+        with pytest.raises(SettingsError, match="not among the files"):
+            files.check(document(path))
+    assert [Path(p).name for p in files.listing()] == ["map.mrc", "inside.pdb"]
+    # every text setting that could name a file counts
+    for transfer in (str(outside), f"{outside}:preset", "/etc/passwd", "../secret.pdb"):
+        settings = Settings().replace(volume__transfer=transfer)
+        with pytest.raises(SettingsError, match="not among the files"):
+            files.check(SceneFile(settings=settings))
+    files.check(SceneFile(settings=Settings().replace(volume__transfer="viridis")))
+    assert Files.of(start).may_open(str(outside))
+
+
+def test_a_page_cannot_make_the_model_open_another_file(model):
+    files = Files.of(model.document)
+    guarded = Model(model.document, model.scene, guard=files.check)
+    assert not guarded.open_path("/etc/passwd")
+    assert "not among the files" in guarded.message and guarded.scene is model.scene
