@@ -308,3 +308,45 @@ def test_hierarchy_levels_refine_and_skip_what_divides_nothing():
 def test_a_single_molecule_is_divided_by_its_chains():
     found = hierarchy_of([Divided(body_at("mol"), (np.array([0, 1], np.int32),))])
     assert [level.name for level in found.levels] == ["part 1"]
+
+
+def test_traced_rays_pass_through_their_own_region(renderer):
+    traced = settings_of(mode="traced", rays=64, shadow=1.0, blur_shadow=0)
+    for path, open_ in ((("root", "B", "lid"), False), (("root", "A", "lid"), True)):
+        scene = plate_under_plate(path)
+        gathered, lit = buffers(renderer, scene, CAMERA, traced, "gathered", "lit")
+        assert (gathered[BESIDE][..., 3].mean() > 0.999) == open_
+        assert (lit[..., 0].min() == 1.0) == open_
+
+
+def test_traced_parts_of_one_molecule_shade_each_other():
+    # two balls in one geometry: one region while they are one chain, two when they are two
+    spheres = np.array([[0, 0, 0, 5], [0, 0, 7, 2]], np.float32)
+    geometry = Geometry(
+        spheres=spheres,
+        sphere_colors=np.full((2, 4), 200, np.uint8),
+        sphere_ids=np.arange(2, dtype=np.int32),
+    )
+
+    class Item:
+        def __init__(self, *chains: int) -> None:
+            self.groups = (np.array(chains, np.int32),)
+            self.body = Body(geometry, name="pair", path=("pair",), material=MATTE)
+
+        def bodies(self):
+            return [self.body]
+
+        def divided(self):
+            return [Divided(self.body, self.groups)]
+
+    renderer = Renderer()
+    settings = settings_of(mode="traced", rays=32, thresholds=(10.0,), far_radius=0.3)
+    dark = []
+    for chains in ((0, 0), (0, 1)):
+        scene = Scene([Item(*chains)])
+        gathered, surface = buffers(
+            renderer, scene, Camera((0, -30, 40), (0, 0, 2), (0, 1, 0), 30), settings,
+            "gathered", "surface",
+        )  # fmt: skip
+        dark.append((1 - gathered[..., 3])[surface[..., 3] > 0].max())
+    assert dark[0] < 0.01 < 0.3 < dark[1]

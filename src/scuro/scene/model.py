@@ -255,9 +255,16 @@ class MesoscaleModel:
 
     @cached_property
     def divided(self) -> tuple[Divided, ...]:
-        """The bodies, and their division into chains."""
+        """The bodies, and their division into chains, in the tree's order: every subtree is a run
+        of objects."""
         made = []
-        for ingredient in self.ingredients:
+        prefixes = (i.path[:k] for i in self.ingredients for k in range(1, len(i.path) + 1))
+        first = {prefix: number for number, prefix in enumerate(dict.fromkeys(prefixes))}
+
+        def place(ingredient: Ingredient) -> list[int]:
+            return [first[ingredient.path[:k]] for k in range(1, len(ingredient.path) + 1)]
+
+        for ingredient in sorted(self.ingredients, key=place):
             common = {"name": ingredient.name, "path": ingredient.path, "material": MATTE}
             for part in ingredient.parts:
                 if len(part) == 0 or len(part.structure) == 0:

@@ -52,6 +52,8 @@ class Hierarchy:
     levels: tuple[Level, ...]
     labels: NDArray[np.uint32]
     """(k, objects): the region of each object in each of the BY_OBJECT levels."""
+    ranges: NDArray[np.uint32]
+    """(k, objects, 2): first and end of the run of objects around each that share its region."""
     names: tuple[tuple[str, ...], ...]
     """For each BY_OBJECT level, the path of each region joined by ``/``."""
     groups: NDArray[np.uint32]
@@ -107,9 +109,11 @@ def hierarchy_of(divided: Sequence[Divided]) -> Hierarchy:
                 total += len(d.groups[k])
     if not levels:
         levels.append(Level("object", BY_INSTANCE))
+    table = np.array(labels or [np.zeros(max(len(divided), 1))], np.uint32)
     return Hierarchy(
         tuple(levels),
-        np.array(labels or [np.zeros(max(len(divided), 1))], np.uint32),
+        table,
+        np.stack([_runs(row) for row in table]),
         tuple(names),
         np.concatenate([*groups, np.zeros(1, np.uint32)]),
         offsets,
@@ -118,6 +122,13 @@ def hierarchy_of(divided: Sequence[Divided]) -> Hierarchy:
         if any(d.painted for d in divided)
         else (),
     )
+
+
+def _runs(labels: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """(n, 2) first and end of the run of equal labels around each entry."""
+    edges = np.flatnonzero(np.diff(labels, prepend=labels[0] + 1, append=labels[-1] + 1))
+    run = np.searchsorted(edges, np.arange(len(labels)), side="right") - 1
+    return np.stack([edges[run], edges[run + 1]], axis=1).astype(np.uint32)
 
 
 def _same(one: NDArray, other: NDArray) -> bool:

@@ -17,9 +17,11 @@ struct LevelOf {
 struct Levels {
     here: LevelOf,
     next: LevelOf,
-    // first entry in `region_table` of: numbers of fibres, groups of elements
+    // first entry in `region_table` of: numbers of fibres, ranges of objects, groups of elements
     fibres: u32,
+    ranges: u32,
     groups: u32,
+    pad: u32,
     // how far the camera is from level t towards t + 1
     blend: f32,
     // 1 at the farthest threshold and beyond, 0 at the nearest
@@ -34,6 +36,12 @@ fn pair_label(a: u32, b: u32) -> u32 {
     var h = (a + 1u) * 0x9e3779b9u ^ (b + 0x7f4a7c15u) * 0x85ebca6bu;
     h = (h ^ (h >> 15u)) * 0x2c1b3c6du;
     return (h ^ (h >> 13u)) | 1u;
+}
+
+// First and end of the run of objects around one that share its region at a BY_OBJECT level.
+fn region_range(level: LevelOf, object: u32) -> vec2u {
+    let at = levels.ranges + 2u * (level.table + object);
+    return vec2u(region_table[at], region_table[at + 1u]);
 }
 
 // Never 0.

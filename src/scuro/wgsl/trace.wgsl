@@ -313,6 +313,17 @@ fn grid_in_view(object: Traced, instance: Instance, index: u32) -> Grid {
     return grid;
 }
 
+// Rays may be told to pass through a range of objects, or of instances, as if they were not there.
+override HAS_SKIPS: bool = false;
+
+// objects [x, y) and instances [z, w)
+var<private> skipped: vec4u;
+
+fn skips(instance: u32, object: u32) -> bool {
+    return (object >= skipped.x && object < skipped.y)
+        || (instance >= skipped.z && instance < skipped.w);
+}
+
 fn local_view(ray: Ray, index: u32, t_min: f32, t_max: f32, kept: Kept) -> Local {
     let instance = instance_at(index);
     let object = traced_object(instance.object);
@@ -325,15 +336,19 @@ fn local_view(ray: Ray, index: u32, t_min: f32, t_max: f32, kept: Kept) -> Local
     if (CLIPPED && (object.flags & UNCLIPPED) != 0u) {
         bounds = Kept(-NOTHING, NOTHING, 0u);
     }
+    var near = half > 0.0 && along - half <= t_max && along + half >= t_min;
+    if (HAS_SKIPS) {
+        near = near && !skips(index, instance.object);
+    }
     var grid = object.grid;
-    if (HAS_LEVELS) {
+    if (HAS_LEVELS && near) {
         grid = grid_in_view(object, instance, index);
     }
     return Local(
         Ray(rotate(inverse, -to_center), rotate(inverse, ray.direction)),
         bounds,
         grid,
-        half > 0.0 && along - half <= t_max && along + half >= t_min,
+        near,
     );
 }
 

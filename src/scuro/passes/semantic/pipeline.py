@@ -51,8 +51,11 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     calm = {"surface": frame.resources["calm_surface"]}
     frame.target("diffuse", "rgba16float", clear=(0, 0, 0, 0))
     frame.compute_tiles("passes/semantic/direct.wgsl", calm)
-    _occlude(frame, settings, calm)
-    _shadow(frame, settings, calm, here)
+    if settings.mode == "traced":
+        _trace(frame, settings, calm, here)
+    else:
+        _occlude(frame, settings, calm)
+        _shadow(frame, settings, calm, here)
     occlusion = {
         "gathered": _blurred(frame, "gathered", settings.blur_occlusion, settings),
         "bounce": _blurred(frame, "bounce", settings.blur_bounce, settings),
@@ -125,7 +128,9 @@ def _levels_uniform(hierarchy: Hierarchy, here: Place) -> dict[str, Any]:
         "here": entry(here.level),
         "next": entry(here.level + 1),
         "fibres": starts["fibres"],
+        "ranges": starts["ranges"],
         "groups": starts["groups"],
+        "pad": 0,
         "blend": here.blend,
         "depth": here.depth,
     }
@@ -138,7 +143,8 @@ def _starts(hierarchy: Hierarchy) -> dict[str, int]:
         "labels": 0,
         "offsets": labels,
         "fibres": labels + offsets,
-        "groups": labels + offsets + hierarchy.fibre.size,
+        "ranges": labels + offsets + hierarchy.fibre.size,
+        "groups": labels + offsets + hierarchy.fibre.size + hierarchy.ranges.size,
     }
 
 
@@ -149,7 +155,8 @@ def _table(gpu: Gpu, hierarchy: Hierarchy) -> Any:
     """The region table on the GPU, uploaded once."""
     held = _tables.get(hierarchy)
     if held is None or held[0] is not gpu:
-        parts = (hierarchy.labels, hierarchy.offsets, hierarchy.fibre, hierarchy.groups)
+        h = hierarchy
+        parts = (h.labels, h.offsets, h.fibre, h.ranges, h.groups)
         joined = np.concatenate([p.astype(np.uint32).ravel() for p in parts])
         held = _tables[hierarchy] = (gpu, gpu.buffer(joined, label="regions"))
     return held[1]
@@ -198,6 +205,26 @@ def _occlude(frame: Frame, settings: SemanticSettings, calm: dict[str, Any]) -> 
         "passes/semantic/ssdo.wgsl",
         calm | {"ssdo": ssdo},
         constants={"HAS_BOUNCE": settings.bounce > 0},
+    )
+
+
+def _trace(frame: Frame, settings: SemanticSettings, calm: dict[str, Any], here: Place) -> None:
+    """Occlusion and shadow in object space; the bounce stays one of screen space."""
+    if settings.bounce > 0 and here.depth < 1:
+        _occlude(frame, settings, calm)
+    else:
+        frame.target("bounce", "rgba16float", clear=(0, 0, 0, 0))
+    frame.target("gathered", "rgba16float", clear=(0, 0, 0, 0))
+    frame.target("lit", "rgba16float", clear=(1, 1, 1, 1))
+    rays = {
+        "samples": settings.rays,
+        "near_radius": settings.near_radius * _atom_radius(frame),
+        "far_radius": settings.far_radius * _distance(frame, settings),
+        "strength": settings.strength,
+        "shadow": settings.shadow * here.depth,
+    }
+    frame.compute_tiles(
+        "passes/semantic/traced.wgsl", calm | {"rays": rays}, constants={"HAS_SKIPS": True}
     )
 
 

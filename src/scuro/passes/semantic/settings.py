@@ -42,6 +42,7 @@ class SemanticSettings(SettingsGroup):
         choices=("scene", "target"),
     )
     samples: int = setting(16, "directions a pixel", low=1, high=256)
+    rays: int = setting(4, "rays a pixel, in traced mode", low=1, high=256)
     near_radius: float = setting(
         4.0, "reach of occlusion between atoms, in atom radii", low=0.1, high=100
     )
