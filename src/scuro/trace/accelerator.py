@@ -18,20 +18,17 @@ from scuro.gpu import Gpu
 from scuro.scene.camera import Camera
 from scuro.scene.clip import MAX_PLANES, Clip
 from scuro.scene.geometry import Body, rotation_matrices
+from scuro.trace.grids import (
+    GRID,
+    GridPlan,
+    Growth,
+    build_grids,
+    joined,
+    plan_grids,
+    weighted_median,
+)
 from scuro.trace.pack import PackedGeometry, pack_geometry
-from scuro.trace.table import (
-    empty_table,
-    float_table,
-    padded_bytes,
-    table,
-    table_bytes,
-    table_from_buffer,
-)
-
-GRID = np.dtype(
-    [("origin", np.float32, 3), ("cell", np.float32), ("dims", np.uint32, 3), ("cells", np.uint32)]
-)
-"""``Grid`` of wgsl/scene_types.wgsl."""
+from scuro.trace.table import float_table, table, table_bytes
 
 INSTANCE = np.dtype([("rotation", np.float32, 4), ("center", np.float32, 3), ("object", np.uint32)])
 """``Instance`` of wgsl/scene.wgsl: 32 bytes."""
@@ -87,6 +84,7 @@ class Accelerator:
     """For each body: first instance, instances, first cluster, clusters."""
     scene: dict[str, Any]
     """Field values of the ``scene`` uniform, but for the clipping planes."""
+    _grown: tuple[Growth, dict[str, Any]] | None = None
 
     @property
     def cluster_instances(self) -> int:
@@ -118,6 +116,29 @@ class Accelerator:
         }
         return self.resources | {"scene": uniform}, self.constants | {"CLIPPED": bool(len(planes))}
 
+    def grown(self, gpu: Gpu, growth: Growth) -> dict[str, Any]:
+        """Resources with grids that list all solids as if they were larger.
+
+        For queries of what a ray passes closely. Built when first asked for, kept until another
+        growth is; ``scene`` holds only the field that differs.
+        """
+        if self._grown is None or self._grown[0] != growth:
+            self._grown = None  # frees the old ones first
+            plan = plan_grids(self.bodies, self.packed, self.center, growth)
+            instances, spheres = _instances(self.bodies, self.center, self.packed)
+            spheres[:, 3] += np.repeat(
+                [plan.reach[id(b.geometry)] for b in self.bodies],
+                [len(b.positions) for b in self.bodies],
+            )
+            objects = _objects(self.bodies, self.packed, plan)
+            single = len(instances) == 1
+            top = objects[int(instances[0]["object"])]["grid"] if single else plan.grids[0]
+            resources = build_grids(gpu, plan, self.resources["slots"], spheres)
+            resources["objects"] = table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects")
+            resources["scene"] = {"top": {name: top[name] for name in GRID.names or ()}}
+            self._grown = (growth, resources)
+        return self._grown[1]
+
 
 def build_accelerator(
     gpu: Gpu, bodies: Sequence[Body], center: NDArray, *, bounds: NDArray | None = None
@@ -131,44 +152,20 @@ def build_accelerator(
         bounds: (2, 3) world box of the whole scene, other data included; the bodies' by default.
     """
     packed = _packed_with_levels(bodies)
-    first_slots: dict[int, int] = {}
-    slots, attributes, items = [], [], []
-    grids = np.zeros(1 + len(packed), GRID)
-    grid_of: dict[int, int] = {}
-    slot_count, cell_count = 0, 0
-    grids[0], cell_count = _top_grid(bodies, center)
-    for number, (key, p) in enumerate(packed.items(), start=1):
-        first_slots[key], grid_of[key] = slot_count, number
-        grids[number] = (p.origin, p.cell, p.dims, cell_count)
-        slots.append(p.slots)
-        attributes.append(p.attributes)
-        item = np.empty((len(p.primitives), 2), np.uint32)
-        item[:, 0] = p.primitives + np.uint32(slot_count)
-        item[:, 1] = number
-        items.append(item)
-        slot_count += len(p.slots)
-        cell_count += int(np.prod(p.dims, dtype=np.int64))
-
     instances, spheres = _instances(bodies, center, packed)
-    items.insert(0, np.stack([np.arange(len(instances)), np.zeros(len(instances))], 1))
-    slot_table = float_table(gpu, _joined(slots, (0, 4), np.float32), "primitives")
-    cells, refs, entries = _build_grids(
-        gpu, _joined(items, (0, 2), np.uint32), grids, slot_table, spheres, cell_count
-    )
-    objects = np.zeros(max(1, len(bodies)), OBJECT)
-    for index, body in enumerate(bodies):
-        objects[index] = _object(body, packed[id(body.geometry)], grids[grid_of[id(body.geometry)]])
-    objects = _with_levels(objects, bodies, packed, {k: grids[n] for k, n in grid_of.items()})
+    slots = joined([p.slots for p in packed.values()], (0, 4), np.float32)
+    attributes = joined([p.attributes for p in packed.values()], (0, 4), np.uint32)
+    slot_table = float_table(gpu, slots, "primitives")
+    plan = plan_grids(bodies, packed, center)
+    objects = _objects(bodies, packed, plan)
     # a single instance needs no grid above it
-    top = objects[int(instances[0]["object"])]["grid"] if len(instances) == 1 else grids[0]
+    top = objects[int(instances[0]["object"])]["grid"] if len(instances) == 1 else plan.grids[0]
     resources = {
         "slots": slot_table,
-        "attributes": table(gpu, _joined(attributes, (0, 4), np.uint32), "attributes"),
-        "cells": cells,
-        "refs": refs,
-        "entries": entries,
+        "attributes": table(gpu, attributes, "attributes"),
         "instances": table(gpu, instances.view(np.uint32).reshape(-1, 4), "instances"),
         "objects": table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects"),
+        **build_grids(gpu, plan, slot_table, spheres),
     }
     clusters, runs = _clusters(bodies, packed)
     resources["clusters"] = gpu.buffer(clusters, label="clusters")
@@ -183,7 +180,7 @@ def build_accelerator(
     # triangles have no radius: a cartoon takes its scale from the sticks and spheres beside it
     sized = [b for b in bodies if packed[id(b.geometry)].median_radius > 0]
     primitive_radius = (
-        _weighted_median(
+        weighted_median(
             [packed[id(b.geometry)].median_radius for b in sized],
             [len(packed[id(b.geometry)].primitives) * len(b.positions) for b in sized],
         )
@@ -207,7 +204,7 @@ def build_accelerator(
         primitive_radius=primitive_radius,
         bodies=tuple(bodies),
         packed=packed,
-        first_slots=first_slots,
+        first_slots=plan.first_slots,
         cluster_runs=runs,
         scene={
             "top": {name: top[name] for name in GRID.names or ()},
@@ -259,17 +256,6 @@ def _with_levels(
     return np.concatenate([objects, *rows]) if rows else objects
 
 
-def _joined(arrays: list[NDArray], shape: tuple[int, ...], dtype: Any) -> NDArray:
-    return np.concatenate([*arrays, np.zeros(shape, dtype)]).astype(dtype, copy=False)
-
-
-def _weighted_median(values: Sequence[float], weights: Sequence[int]) -> float:
-    order = np.argsort(values)
-    cumulative = np.cumsum(np.asarray(weights, float)[order])
-    index = min(int(np.searchsorted(cumulative, cumulative[-1] / 2)), len(order) - 1)
-    return float(np.asarray(values)[order][index])
-
-
 def _instances(
     bodies: Sequence[Body], center: NDArray, packed: dict[int, PackedGeometry]
 ) -> tuple[NDArray, NDArray[np.float32]]:
@@ -310,23 +296,15 @@ def _clusters(
     return np.concatenate(tables), tuple(runs)
 
 
-def _top_grid(bodies: Sequence[Body], center: NDArray) -> tuple[Any, int]:
-    """The grid over instances: cells about as large as a typical instance."""
-    boxes = [b.bounds for b in bodies if len(b.positions) and len(b.geometry)]
-    count = sum(len(b.positions) for b in bodies)
-    if not boxes:
-        return (np.zeros(3), 1.0, np.ones(3), 0), 1
-    radii = [b.radius for b in bodies if len(b.positions)]
-    typical = _weighted_median(radii, [len(b.positions) for b in bodies if len(b.positions)])
-    # bounding spheres may reach beyond the boxes, but nothing in them does
-    low = np.min([b[0] for b in boxes], 0) - center - 1e-3 * typical
-    high = np.max([b[1] for b in boxes], 0) - center + 1e-3 * typical
-    size = high - low
-    cell = max(
-        2 * typical, float(np.cbrt(np.prod(size) / (4 * count + 8))), float(size.max()) / 512
-    )
-    dims = np.maximum(np.ceil(size / cell), 1)
-    return (low, cell, dims, 0), int(np.prod(dims))
+def _objects(bodies: Sequence[Body], packed: dict[int, PackedGeometry], plan: GridPlan) -> NDArray:
+    """The object table, one row at least."""
+    objects = np.zeros(max(1, len(bodies)), OBJECT)
+    for index, body in enumerate(bodies):
+        key = id(body.geometry)
+        objects[index] = _object(body, packed[key], plan.grids[plan.grid_of[key]])
+        objects[index]["radius"] += plan.reach[key]
+    grids = {key: plan.grids[number] for key, number in plan.grid_of.items()}
+    return _with_levels(objects, bodies, packed, grids)
 
 
 def _object(body: Body, p: PackedGeometry, grid: Any) -> tuple:
@@ -346,63 +324,3 @@ def _object(body: Body, p: PackedGeometry, grid: Any) -> tuple:
         MATERIAL_KINDS.index(m.kind),
         0,
     )
-
-
-def _build_grids(
-    gpu: Gpu,
-    items: NDArray[np.uint32],
-    grids: NDArray,
-    slots: Any,
-    spheres: NDArray[np.float32],
-    cell_count: int,
-) -> tuple[Any, Any, Any]:
-    """The ``cells``, ``refs`` and ``entries`` tables of all grids together."""
-    counts = gpu.buffer(4 * cell_count, label="grid counts")
-    cells = gpu.buffer(padded_bytes(cell_count), label="grid cells")
-    placeholder = gpu.buffer(16)
-    resources = {
-        "items": gpu.buffer(items, label="primitives to sort"),
-        "grids": gpu.buffer(grids, label="grids"),
-        "slots": slots,
-        "bounds": gpu.buffer(spheres, label="bounding spheres"),
-        "counts": counts,
-        "cells": cells,
-        "refs": placeholder,
-    }
-
-    def run(entry: str, threads: int) -> None:
-        limit = 65535 * 64
-        for first in range(0, threads, limit):
-            build = {"primitives": len(items), "cells": cell_count, "first": first}
-            share = min(limit, threads - first)
-            gpu.compute("trace/build.wgsl", entry, (share,), resources | {"build": build})
-
-    run("count", len(items))
-    lengths = gpu.read_buffer(counts, np.uint32)[:cell_count]
-    ends = np.cumsum(lengths, dtype=np.int64)
-    starts = np.zeros(cell_count, np.uint32)
-    starts[1:] = ends[:-1]
-    gpu.write_buffer(cells, starts)
-    total = int(ends[-1])
-    refs = gpu.buffer(padded_bytes(total), label="grid references")
-    resources["refs"] = refs
-    recorder = gpu.recorder()
-    recorder.clear_buffer(counts)
-    recorder.submit()
-    run("fill", len(items))
-    run("finish", cell_count)
-    ref_table = table_from_buffer(gpu, refs, total)
-    entries = empty_table(gpu, total, "rgba32float", "grid entries")
-    for first in range(0, total, 65535 * 64):
-        gpu.compute(
-            "trace/copy.wgsl",
-            "main",
-            (min(65535 * 64, total - first),),
-            {
-                "copying": {"first": first, "count": total},
-                "slots": slots,
-                "ref_table": ref_table,
-                "entry_table": entries,
-            },
-        )
-    return table_from_buffer(gpu, cells, cell_count), ref_table, entries

@@ -9,6 +9,9 @@ struct Build {
     cells: u32,
     // first primitive or cell of this dispatch: one dispatch is limited to 65535 workgroups
     first: u32,
+    // radii r of solids count as factor r + margin; triangles are not solid
+    factor: f32,
+    margin: f32,
 }
 
 @group(0) @binding(0) var<uniform> build: Build;
@@ -49,7 +52,7 @@ fn extent_of(item: vec2u) -> Extent {
         let first = slot_at(slot);
         e.a = first.xyz;
         e.b = e.a;
-        e.radius = first.w;
+        e.radius = first.w * build.factor + build.margin;
         let kind = kind_of(item.x);
         if (kind == TRIANGLE) {
             e.b = slot_at(slot + 1u).xyz;
@@ -64,7 +67,7 @@ fn extent_of(item: vec2u) -> Extent {
         if (kind != SPHERE) {
             let second = slot_at(slot + 1u);
             e.b = second.xyz;
-            e.radius = max(first.w, second.w);
+            e.radius = max(first.w, second.w) * build.factor + build.margin;
         }
     }
     e.low = min(e.a, e.b) - e.radius;

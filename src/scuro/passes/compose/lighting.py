@@ -76,7 +76,7 @@ PRESETS: dict[str, Lighting] = {
 }
 
 IMPLIED: dict[str, dict[str, str]] = {
-    "full": {"occlusion": "ray", "shadows": "area"},
+    "full": {"occlusion": "ray", "shadows": "soft"},
     "soft": {"occlusion": "ray"},
     "gentle": {"occlusion": "ray"},
 }

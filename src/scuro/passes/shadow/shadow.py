@@ -11,7 +11,9 @@ from scuro.settings import SettingsGroup, setting
 
 TECHNIQUES = {
     "hard": "scuro.passes.shadow.ray:draw_hard",
+    "soft": "scuro.passes.shadow.soft:draw",
     "area": "scuro.passes.shadow.ray:draw_area",
+    "mapped": "scuro.passes.shadow.mapped:draw",
 }
 """Technique by name -> function ``(frame, light index)`` that fills the target ``shadow_light``."""
 
@@ -32,8 +34,18 @@ class ShadowSettings(SettingsGroup):
         high=45,
         unit="deg",
     )
+    penumbra: float = setting(1.0, "widest penumbra, in median atom radii (soft)", low=0, high=10)
+    ratio: float | None = setting(
+        None,
+        "outer over inner radius, as Parker has it, instead of penumbras that widen (soft)",
+        low=1.001,
+        high=4,
+    )
     samples: int | None = setting(None, "rays a pixel to each light (area)", low=1, high=4096)
     filter: bool = setting(True, "smooth few samples (area)")
+    map_size: int = setting(1024, "texels along an edge (mapped)", low=16, high=8192, unit="px")
+    bias: float = setting(1.0, "depth that counts as the same surface, in texels (mapped)", low=0)
+    taps: int = setting(1, "texels around each that are compared (mapped)", low=0, high=16)
 
 
 def draw_shadows(frame: Frame) -> None:

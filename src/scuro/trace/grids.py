@@ -1,0 +1,192 @@
+"""The uniform grids of a scene: one over each geometry's primitives, one over instances.
+
+All are built together on the GPU (a counting sort in three kernels, see ``build.wgsl``); only the
+prefix sum between them is numpy's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.gpu import Gpu
+from scuro.scene.geometry import Body
+from scuro.trace.pack import PackedGeometry
+from scuro.trace.table import empty_table, padded_bytes, table_from_buffer
+
+GRID = np.dtype(
+    [("origin", np.float32, 3), ("cell", np.float32), ("dims", np.uint32, 3), ("cells", np.uint32)]
+)
+"""``Grid`` of wgsl/scene_types.wgsl."""
+
+
+@dataclass(frozen=True)
+class Growth:
+    """Radii r count as ``factor`` r + ``margin`` when solids are sorted into cells."""
+
+    factor: float = 1.0
+    margin: float = 0.0
+
+    def reach(self, geometry: PackedGeometry) -> float:
+        """How far beyond its surfaces a geometry's solids are listed at most."""
+        largest = float(geometry.slots[:, 3].max(initial=0.0))
+        return (self.factor - 1) * largest + self.margin
+
+
+@dataclass(frozen=True, eq=False)
+class GridPlan:
+    """Where all grids of a scene lie and what is sorted into them."""
+
+    grids: NDArray
+    """GRID records: that over instances first, then one a geometry."""
+    grid_of: dict[int, int]
+    """By ``id(geometry)``: its grid."""
+    first_slots: dict[int, int]
+    """By ``id(geometry)``: its first slot in the table of primitives."""
+    items: NDArray[np.uint32]
+    """(n, 2) a primitive (kind and slot) or an instance, and its grid."""
+    cells: int
+    """Cells of all grids."""
+    growth: Growth
+    reach: dict[int, float]
+    """By ``id(geometry)``: how far beyond their surfaces its solids are listed at most."""
+
+
+def plan_grids(
+    bodies: Sequence[Body],
+    packed: dict[int, PackedGeometry],
+    center: NDArray,
+    growth: Growth = Growth(),
+) -> GridPlan:
+    """Lay out the grids of bodies whose geometries are packed, around a scene's centre."""
+    grids = np.zeros(1 + len(packed), GRID)
+    grid_of: dict[int, int] = {}
+    first_slots: dict[int, int] = {}
+    reach = {key: growth.reach(p) for key, p in packed.items()}
+    for geometry in (body.geometry for body in bodies):
+        reach[id(geometry)] = max(reach[id(g)] for g in (geometry, *geometry.levels))
+    grids[0], cells = _top_grid(bodies, center, max(reach.values(), default=0.0))
+    count = sum(len(body.positions) for body in bodies)
+    items = [np.stack([np.arange(count), np.zeros(count)], 1)]
+    slots = 0
+    for number, (key, p) in enumerate(packed.items(), start=1):
+        first_slots[key], grid_of[key] = slots, number
+        border = int(np.ceil(reach[key] / p.cell))
+        dims = p.dims + 2 * border
+        grids[number] = (p.origin - border * p.cell, p.cell, dims, cells)
+        item = np.empty((len(p.primitives), 2), np.uint32)
+        item[:, 0] = p.primitives + np.uint32(slots)
+        item[:, 1] = number
+        items.append(item)
+        slots += len(p.slots)
+        cells += int(np.prod(dims, dtype=np.int64))
+    sorted_items = joined(items, (0, 2), np.uint32)
+    return GridPlan(grids, grid_of, first_slots, sorted_items, cells, growth, reach)
+
+
+def _top_grid(bodies: Sequence[Body], center: NDArray, margin: float) -> tuple[Any, int]:
+    """The grid over instances: cells about as large as a typical instance."""
+    boxes = [b.bounds for b in bodies if len(b.positions) and len(b.geometry)]
+    count = sum(len(b.positions) for b in bodies)
+    if not boxes:
+        return (np.zeros(3), 1.0, np.ones(3), 0), 1
+    radii = [b.radius for b in bodies if len(b.positions)]
+    typical = weighted_median(radii, [len(b.positions) for b in bodies if len(b.positions)])
+    # bounding spheres may reach beyond the boxes, but nothing in them does
+    border = margin + 1e-3 * typical
+    low = np.min([b[0] for b in boxes], 0) - center - border
+    high = np.max([b[1] for b in boxes], 0) - center + border
+    size = high - low
+    cell = max(
+        2 * typical, float(np.cbrt(np.prod(size) / (4 * count + 8))), float(size.max()) / 512
+    )
+    dims = np.maximum(np.ceil(size / cell), 1)
+    return (low, cell, dims, 0), int(np.prod(dims))
+
+
+def build_grids(
+    gpu: Gpu, plan: GridPlan, slots: Any, spheres: NDArray[np.float32]
+) -> dict[str, Any]:
+    """The ``cells``, ``refs`` and ``entries`` tables of all grids together.
+
+    Args:
+        gpu: Where to.
+        plan: The grids.
+        slots: Table of the primitives.
+        spheres: (k, 4) bounding spheres of the instances, in scene space.
+    """
+    items, cell_count = plan.items, plan.cells
+    counts = gpu.buffer(4 * cell_count, label="grid counts")
+    cells = gpu.buffer(padded_bytes(cell_count), label="grid cells")
+    placeholder = gpu.buffer(16)
+    resources = {
+        "items": gpu.buffer(items, label="primitives to sort"),
+        "grids": gpu.buffer(plan.grids, label="grids"),
+        "slots": slots,
+        "bounds": gpu.buffer(spheres, label="bounding spheres"),
+        "counts": counts,
+        "cells": cells,
+        "refs": placeholder,
+    }
+
+    def run(entry: str, threads: int) -> None:
+        limit = 65535 * 64
+        for first in range(0, threads, limit):
+            build = {
+                "primitives": len(items),
+                "cells": cell_count,
+                "first": first,
+                "factor": plan.growth.factor,
+                "margin": plan.growth.margin,
+            }
+            share = min(limit, threads - first)
+            gpu.compute("trace/build.wgsl", entry, (share,), resources | {"build": build})
+
+    run("count", len(items))
+    lengths = gpu.read_buffer(counts, np.uint32)[:cell_count]
+    ends = np.cumsum(lengths, dtype=np.int64)
+    starts = np.zeros(cell_count, np.uint32)
+    starts[1:] = ends[:-1]
+    gpu.write_buffer(cells, starts)
+    total = int(ends[-1])
+    refs = gpu.buffer(padded_bytes(total), label="grid references")
+    resources["refs"] = refs
+    recorder = gpu.recorder()
+    recorder.clear_buffer(counts)
+    recorder.submit()
+    run("fill", len(items))
+    run("finish", cell_count)
+    ref_table = table_from_buffer(gpu, refs, total)
+    entries = empty_table(gpu, total, "rgba32float", "grid entries")
+    for first in range(0, total, 65535 * 64):
+        gpu.compute(
+            "trace/copy.wgsl",
+            "main",
+            (min(65535 * 64, total - first),),
+            {
+                "copying": {"first": first, "count": total},
+                "slots": slots,
+                "ref_table": ref_table,
+                "entry_table": entries,
+            },
+        )
+    return {
+        "cells": table_from_buffer(gpu, cells, cell_count),
+        "refs": ref_table,
+        "entries": entries,
+    }
+
+
+def joined(arrays: list[NDArray], shape: tuple[int, ...], dtype: Any) -> NDArray:
+    return np.concatenate([*arrays, np.zeros(shape, dtype)]).astype(dtype, copy=False)
+
+
+def weighted_median(values: Sequence[float], weights: Sequence[int]) -> float:
+    order = np.argsort(values)
+    cumulative = np.cumsum(np.asarray(weights, float)[order])
+    index = min(int(np.searchsorted(cumulative, cumulative[-1] / 2)), len(order) - 1)
+    return float(np.asarray(values)[order][index])

@@ -1,0 +1,112 @@
+// How closely a ray passes the scene's solids: soft shadows from one ray (Parker et al. 1998).
+//
+// Needs grids that list solids by their outer radius (Accelerator.grown). Of all solids near the ray
+// the one that leaves least of the light decides.
+
+//#include "trace.wgsl"
+
+// The band around each solid's silhouette in which light fades.
+struct Penumbra {
+    // half of its width at a distance t along the ray: min(slope t, most); the silhouette in the middle
+    slope: f32,
+    most: f32,
+    // or, above 1, the ratio of an outer sphere's radius to the solid's (Parker's form)
+    ratio: f32,
+}
+
+// The part of a ray's light that one solid leaves, before the fade is rounded off.
+fn left_by(ray: Ray, entry: Entry, first: f32, last: f32, penumbra: Penumbra) -> f32 {
+    var solid = entry.sphere;
+    var t = dot(solid.xyz - ray.origin, ray.direction);
+    if (HAS_RODS && entry.primitive != NO_PRIMITIVE) {
+        let slot = slot_of(entry.primitive);
+        let a = slot_at(slot);
+        let axis = slot_at(slot + 1u) - a;
+        let from_a = ray.origin - a.xyz;
+        let along = dot(ray.direction, axis.xyz);
+        let height = dot(from_a, axis.xyz) - dot(from_a, ray.direction) * along;
+        let h = saturate(height / max(dot(axis.xyz, axis.xyz) - along * along, 1e-12));
+        solid = a + h * axis;
+        t = dot(solid.xyz - ray.origin, ray.direction);
+    }
+    let nearest = clamp(t, first, last);
+    let gap = distance(ray.origin + nearest * ray.direction, solid.xyz) - solid.w;
+    let half = max(min(penumbra.most, penumbra.slope * nearest), 1e-6);
+    if (penumbra.ratio > 1.0) {
+        return select(gap / ((penumbra.ratio - 1.0) * solid.w), 1.0, t <= first);
+    }
+    return (gap + half) / (2.0 * half);
+}
+
+// The least that any solid of one instance leaves, or `least` if that is less.
+fn least_in_geometry(view: Local, t_max: f32, penumbra: Penumbra, least: f32) -> f32 {
+    let first = max(0.0, view.kept.near);
+    let last = min(t_max, view.kept.far);
+    var walk = walk_start(view.grid, view.ray, first, last);
+    if (walk.t_end < -1.0e38) {
+        return least;
+    }
+    var found = least;
+    var at_cell = true;
+    var index = 0u;
+    loop {
+        let entries_at = cell_at(u32(walk.cell));
+        let entry = entry_at(index);
+        found = min(found, select(left_by(view.ray, entry, first, last, penumbra), 1.0, at_cell));
+        let onward = select(entry.last, entries_at == EMPTY_CELL, at_cell);
+        if ((found <= 0.0) | (onward & (walk_exit(walk) >= walk.t_end))) {
+            break;
+        }
+        let axis = next_axis(walk) & vec3<bool>(onward);
+        walk.t_next += select(vec3f(0.0), walk.t_step, axis);
+        walk.cell += dot(select(vec3i(0), walk.stride, axis), vec3i(1));
+        index = select(index + 1u, entries_at, at_cell);
+        at_cell = onward;
+    }
+    return found;
+}
+
+// The part of the light that arrives along a ray: 1 = all.
+fn trace_soft(ray: Ray, t_max: f32, penumbra: Penumbra) -> f32 {
+    var kept = Kept(-NOTHING, NOTHING, 0u);
+    if (CLIPPED) {
+        kept = kept_interval(ray);
+    }
+    var least = 1.0;
+    if (!HAS_TOP_LEVEL) {
+        least = least_in_geometry(only_view(ray, kept), t_max, penumbra, 1.0);
+        return smoothstep(0.0, 1.0, least);
+    }
+    let bounds = around(kept);
+    var walk = walk_start(scene.top, ray, max(0.0, bounds.near), min(t_max, bounds.far));
+    var seen = vec2u(NO_PRIMITIVE);
+    loop {
+        if (walk.t_end < -1.0e38) {
+            break;
+        }
+        var index = next_entries(&walk);
+        if (index == EMPTY_CELL) {
+            break;
+        }
+        loop {
+            let reference = ref_at(index);
+            let instance = reference & ~LAST_OF_CELL;
+            if (instance != seen.x && instance != seen.y) {
+                let local = local_view(ray, instance, 0.0, t_max, kept);
+                if (local.near) {
+                    least = least_in_geometry(local, t_max, penumbra, least);
+                }
+                seen = vec2u(seen.y, instance);
+            }
+            index += 1u;
+            if (least <= 0.0 || (reference & LAST_OF_CELL) != 0u) {
+                break;
+            }
+        }
+        if (least <= 0.0 || walk_exit(walk) >= walk.t_end) {
+            break;
+        }
+        walk_on(&walk);
+    }
+    return smoothstep(0.0, 1.0, least);
+}
