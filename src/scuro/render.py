@@ -66,7 +66,7 @@ class Renderer:
         self.targets = TargetPool(self.gpu)
         self._built = _Built()
         self._volumes = Volumes()
-        self._reservoirs = Reservoirs()
+        self.reservoirs = Reservoirs()
         self._paths = PathTracer()
 
     def accelerator(self, scene: Scene) -> Accelerator:
@@ -177,7 +177,7 @@ class Renderer:
         else:
             shade_semantic(frame, scene.hierarchy())
         self._volumes.draw(frame, scene)
-        self._reservoirs.draw(frame, scene)
+        self.reservoirs.draw(frame, scene)
         draw_toon(frame)
         draw_fog(frame)
         draw_halos(frame)

@@ -287,13 +287,12 @@ def test_time_steps_change_colors_only(renderer: Renderer, dome: CornerPointGrid
     scene = Scene().add(dome)
     settings = scuro.Settings(size=SIZE).replace(reservoir__property="SWAT", reservoir__time=0)
     renderer.render(scene, None, settings)
-    kept = renderer._reservoirs._pictures[scene.reservoirs[0]]
-    before = kept._kept["model"][1]
+    before = renderer.reservoirs.model(scene.reservoirs[0])
     first = np.asarray(renderer.render(scene, None, settings), float)
     changed = settings.replace(reservoir__time=-1)
     last = np.asarray(renderer.render(scene, None, changed), float)
     assert np.abs(first - last).max() > 20
-    assert kept._kept["model"][1] is before
+    assert renderer.reservoirs.model(scene.reservoirs[0]) is before
 
 
 def test_left_handed_models_are_not_mirrored(renderer: Renderer) -> None:

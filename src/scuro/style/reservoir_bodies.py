@@ -119,7 +119,7 @@ def _quads(faces: Faces, colors: NDArray) -> tuple[Geometry, NDArray]:
     normal = np.cross(
         faces.corners[:, 2] - faces.corners[:, 0], faces.corners[:, 3] - faces.corners[:, 1]
     )
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
     local, origin = _local(triangles)
     return (
         Geometry(
@@ -165,7 +165,7 @@ def _smooth_normals(triangles: NDArray[np.float32]) -> NDArray[np.float32]:
     sums = np.stack(
         [np.bincount(index, weights=np.repeat(flat[:, c], 3)) for c in range(3)], axis=1
     )[index]
-    sums /= np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-30)
+    sums = sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-30)
     return sums.reshape(triangles.shape).astype(np.float32)
 
 

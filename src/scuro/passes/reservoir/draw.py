@@ -68,6 +68,12 @@ class ReservoirPicture:
         )
         return model
 
+    @property
+    def drawn(self) -> ReservoirModel:
+        """The model that was drawn last."""
+        model: ReservoirModel = self._kept["model"][1]
+        return model
+
     def march(self, model: ReservoirModel, strategy: StrategySettings, clip: Clip) -> dict:
         """The ``March`` uniform."""
         planes = np.zeros((MAX_PLANES, 4))

@@ -6,6 +6,7 @@ from weakref import WeakKeyDictionary
 
 from scuro.passes.frame import Frame
 from scuro.passes.reservoir.draw import ReservoirPicture
+from scuro.passes.reservoir.model import ReservoirModel
 from scuro.scene.reservoir import ReservoirItem
 from scuro.scene.scene import Scene
 
@@ -15,6 +16,10 @@ class Reservoirs:
 
     def __init__(self) -> None:
         self._pictures: WeakKeyDictionary[ReservoirItem, ReservoirPicture] = WeakKeyDictionary()
+
+    def model(self, item: ReservoirItem) -> ReservoirModel:
+        """The model on the GPU that was drawn last for an item."""
+        return self._pictures[item].drawn
 
     def draw(self, frame: Frame, scene: Scene) -> None:
         """Draw the reservoirs that are shown as volumes over ``color``."""

@@ -60,7 +60,7 @@ class PackedReservoir:
         """(nk,) surface of each layer of cells' top; its bottom is the next one."""
         self.layers = int(self.top_surface[-1]) + 1
         """Layers a column may have, gaps counted."""
-        used = grid.active.any(axis=0)
+        used: NDArray[np.bool_] = np.asarray(grid.active.any(axis=0))
         first = np.where(used, grid.active.argmax(axis=0), 0)
         last = np.where(used, nk - 1 - grid.active[::-1].argmax(axis=0), -1)
         count = np.where(used, self.top_surface[last] - self.top_surface[first] + 2, 0)
@@ -74,10 +74,10 @@ class PackedReservoir:
         self.words = -(-self.layers // 32)
         """32-bit words of flags a column."""
         self.columns["words"] = np.arange(ni * nj) * self.words
-        self.pillars, base, step = self._pillars(used)
+        self.pillars, base, step = self._pillars()
         self.depths = self._depths(base, step)
 
-    def _pillars(self, used: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    def _pillars(self) -> tuple[NDArray, NDArray, NDArray]:
         """The pillar table, and each pillar's smallest depth and depth per step."""
         grid = self.grid
         ni, nj, _ = grid.dimensions
@@ -94,14 +94,14 @@ class PackedReservoir:
         empty = ~np.isfinite(low)
         low[empty], high[empty] = 0, 1
         step = np.maximum(high - low, 1e-3) / STEPS
-        at, slope = grid.pillar_lines()
+        place, slope = grid.pillar_lines()
         axes = grid.axes
         if grid.map_axes is not None:
-            at, slope = at @ axes.T + grid.map_axes[2:4], slope @ axes.T
+            place, slope = place @ axes.T + grid.map_axes[2:4], slope @ axes.T
         # depth d is at scene height z = -exaggeration d - center z
         e, cz = self.exaggeration, self.center[2]
         table = np.zeros(low.shape, PILLAR)
-        table["at"] = at - slope * (cz / e) - self.center[:2]
+        table["at"] = place - slope * (cz / e) - self.center[:2]
         table["slope"] = -slope / e
         table["base"] = -e * low - cz
         table["step"] = e * step

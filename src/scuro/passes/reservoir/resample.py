@@ -74,6 +74,6 @@ def resampled_size(model: ReservoirModel, factor: float) -> tuple[int, int, int]
     """Texels along x, y, z for so many samples per cell, within :data:`MOST_TEXELS`."""
     areal = np.asarray(model.uniform["areal_dims"], float) / AREAL
     size = factor * np.array([*areal, model.grid.dimensions[2]])
-    size *= min(1.0, (MOST_TEXELS / np.prod(size)) ** (1 / 3))
+    size = size * min(1.0, float(MOST_TEXELS / np.prod(size)) ** (1 / 3))
     nx, ny, nz = np.clip(np.rint(size), 2, 2048).astype(int)
     return int(nx), int(ny), int(nz)
