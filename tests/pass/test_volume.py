@@ -214,7 +214,8 @@ def light_of(gpu, volume, transfer, at, **settings):
     )
     lighting = Lighting((Light(direction=(0, 0, -1), intensity=1.0),), ambient=0.5)
     _, _, picture = draw(gpu, volume, chosen, transfer, lighting=lighting, size=(8, 8))
-    texels = gpu.read_texture(picture._keep("light", picture.grid.size, None)).astype(float)
+    texels = gpu.read_texture(picture._keep("light", picture.grid.size, None).texture)
+    texels = texels.astype(float)
     x, y, z = np.rint(np.linalg.inv(volume.world_from_index) @ [*at, 1])[:3].astype(int)
     return texels[z, y, x]
 
@@ -293,3 +294,27 @@ def test_monte_carlo_agrees_with_beer_lambert(gpu):
     cone = np.exp(-tau * np.clip(depth - 1, 0, None))
     expected = np.trapezoid(tau * np.exp(-tau * depth) * cone, depth)
     assert image[4, 4, 0] == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize("method", ["voxel-cones", "summed-area", "local-sphere"])
+def test_peers_in_a_constant_medium(gpu, method):
+    """Every method weighs uniform matter by Beer's law, each over its own length."""
+    volume = solid((60, 60, 60))
+    found = light_of(
+        gpu, volume, ramp(0.02), (29, 29, 29), light=method, occlusion__angle=5.0, radius=8.0
+    )[0]  # fmt: skip
+    length = 8 - 3 if method == "local-sphere" else 30.5 - 3
+    assert -math.log(found) == pytest.approx(-math.log(0.98) * length, rel=0.06)
+
+
+def test_summed_tables_are_exact(gpu):
+    from scuro.passes.volume.summed import summed_table
+
+    values = np.random.default_rng(7).random((20, 30, 25)).astype(np.float32)
+    _, _, picture = draw(gpu, Volume(values), PLAIN, ramp(0.9), size=(4, 4))
+    classified = picture.classified(ramp(0.9), PLAIN)
+    table = gpu.read_buffer(summed_table(classified, picture.uniform(PLAIN, Clip(), classified)),
+                            np.uint32)[: values.size].reshape(values.shape)  # fmt: skip
+    box = np.diff(np.diff(np.diff(table.astype(np.int64), axis=0), axis=1), axis=2) / 1024
+    expected = -np.log1p(-0.9 * values[1:, 1:, 1:])
+    np.testing.assert_allclose(box, expected, atol=1e-3)

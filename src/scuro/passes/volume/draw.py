@@ -11,29 +11,17 @@ from numpy.typing import NDArray
 
 from scuro.gpu import Gpu, Recorder
 from scuro.passes.volume.classify import Classified
-from scuro.passes.volume.cone_sections import ConeSections, cone_sections
 from scuro.passes.volume.grid import VolumeGrid
+from scuro.passes.volume.light import LightTexture, cone_kinds, light_constants
 from scuro.passes.volume.pyramid import Pyramid
-from scuro.passes.volume.settings import VolumeSettings
+from scuro.passes.volume.settings import PEERS, VolumeSettings
 from scuro.passes.volume.solids import solid_fraction, texels_for
+from scuro.passes.volume.summed import summed_table
 from scuro.reference.volume_cones import draw_monte_carlo
 from scuro.scene.clip import Clip
 from scuro.scene.geometry import Body
 from scuro.scene.volume import Volume
 from scuro.style.transfer import TransferFunction
-
-BRICK = 4
-"""Edge in texels of the bricks in which precomputed light is made (illuminate.wgsl)."""
-
-MARK_SCALE = 2
-"""Rays that look for the bricks to light are cast for one pixel in so many along each side."""
-
-
-LISTED_A_ROW = 65536
-"""Threads along x of the pass that lists bricks."""
-
-LIGHT_GROUPS = 1024
-"""Workgroups that share the bricks to light."""
 
 
 @dataclass
@@ -75,7 +63,8 @@ class VolumePicture:
         self, classified: Classified, settings: VolumeSettings, clip: Clip, solids: Any = None
     ) -> Pyramid:
         """The extinction pyramid for the current transfer function and clipping."""
-        key = (id(classified), settings.sigma, settings.coefficients, clip, id(solids))
+        boxes = settings.light in PEERS
+        key = (classified, settings.sigma, settings.coefficients, clip, solids, boxes)
         return self._keep(
             "pyramid" if solids is None else "pyramid with solids",
             key,
@@ -85,96 +74,26 @@ class VolumePicture:
                 sigma=settings.sigma,
                 factor=settings.coefficients,
                 solids=solids,
+                boxes=boxes,
             ),
         )
 
-    def sections(self, settings: VolumeSettings, pyramid: Pyramid, kind: str) -> ConeSections:
-        """Samples of the occlusion or shadow cones."""
-        chosen = getattr(settings, kind)
-        return cone_sections(
-            chosen.angle,
-            chosen.length * self.grid.diagonal / self.grid.voxel,
-            sigma=pyramid.sigma,
-            gap=chosen.gap,
-            most_cones=chosen.cones,
-            levels=pyramid.levels,
-            constant_exact=settings.constant_exact,
-        )
-
-    def cones(self, settings: VolumeSettings, pyramid: Pyramid) -> dict[str, Any]:
-        """What cone.wgsl wants bound besides the volume."""
-        kinds = []
-        for kind in ("occlusion", "shadow"):
-            sections = self.sections(settings, pyramid, kind)
-            chosen = getattr(settings, kind)
-            kinds.append(
-                {
-                    "counts": sections.counts,
-                    "sigma": pyramid.sigma,
-                    "starts": sections.starts,
-                    "tangent": sections.tangent,
-                    "attenuation": chosen.attenuation,
-                    "reach": chosen.length * self.grid.diagonal,
-                    "parts": sections.parts,
-                    "pad": 0,
-                    "sections": sections.table,
-                }
+    def cones(self, settings: VolumeSettings, pyramid: Pyramid, clip: Clip) -> dict[str, Any]:
+        """What cone.wgsl and peers.wgsl want bound besides the volume."""
+        classified = pyramid.classified
+        if settings.light == "summed-area":
+            summed = self._keep(
+                "summed",
+                (classified, clip),
+                lambda: summed_table(classified, self.uniform(settings, clip, classified)),
             )
-        return {"pyramid": pyramid.texture, "cones": {"kinds": kinds}}
-
-    def illuminated(
-        self, record: Recorder, resources: dict[str, Any], settings: VolumeSettings,
-        size: tuple[int, int], constants: dict[str, Any],
-    ) -> Any:  # fmt: skip
-        """Precompute occlusion and shadows over the volume, where the picture's rays read them."""
-        texels = tuple(max(1, round(n * settings.light_resolution)) for n in self.grid.size)
-        texture = self._keep(
-            "light",
-            texels,
-            lambda: self.gpu.texture(texels, "rgba16float", dimension="3d", label="volume light"),
-        )
-        bricks = tuple(-(-n // BRICK) for n in texels)
-        marks = self._keep(
-            "marks", bricks, lambda: self.gpu.buffer(4 * int(np.prod(bricks)), label="light marks")
-        )
-        wanted = self._keep(
-            "wanted", bricks, lambda: self.gpu.buffer(4 + 4 * int(np.prod(bricks)), label="bricks")
-        )
-        fields = {"size": texels, "width": bricks[0], "height": bricks[1]}
-        if not settings.light_all:
-            record.clear_buffer(marks)
-            small = tuple(-(-n // MARK_SCALE) for n in size)
-            view = dict(resources["view"])
-            view["size"] = tuple(n / MARK_SCALE for n in view["size"])
-            view["origin"] = tuple(n / MARK_SCALE for n in view["origin"])
-            march = resources["march"] | {"width": small[0], "height": small[1]}
-            record.compute(
-                "passes/volume/mark.wgsl",
-                "main",
-                small,
-                {**resources, "view": view, "march": march, "bricks": fields, "marks": marks},
-                {"ISOSURFACE": constants["ISOSURFACE"]},
-                label="volume marks",
-            )
-        resources = {
-            **resources,
-            "bricks": {**fields, "depth": bricks[2], "all_bricks": int(settings.light_all)},
-            "marks": marks,
-            "wanted": wanted,
-            "illuminated": texture,
+        else:
+            summed = self._keep("not summed", 0, lambda: self.gpu.buffer(16))
+        return {
+            "pyramid": pyramid.texture,
+            "cones": {"kinds": cone_kinds(self.grid, pyramid, settings)},
+            "summed": summed,
         }
-        chosen = {"OCCLUSION": settings.occlusion.on, "SHADOWS": settings.shadow.on}
-        record.clear_buffer(wanted)
-        shader = "passes/volume/illuminate.wgsl"
-        rows = -(-int(np.prod(bricks)) // LISTED_A_ROW)
-        record.compute(
-            shader, "list_bricks", (LISTED_A_ROW, rows), resources, chosen, label="volume marks"
-        )
-        groups = min(LIGHT_GROUPS, int(np.prod(bricks)))
-        record.compute(
-            shader, "main", (BRICK * groups, BRICK, BRICK), resources, chosen, label="volume light"
-        )
-        return texture
 
     def solids(self, bodies: Sequence[Body]) -> Any:
         """A texture over the volume that is 1 where surfaces fill space; None without surfaces."""
@@ -186,7 +105,7 @@ class VolumePicture:
         matrix = self.grid.texture_from_scene @ world_from_scene
         return self._keep(
             "solids",
-            tuple(map(id, bodies)),
+            tuple(bodies),
             lambda: self.gpu.texture_from(
                 solid_fraction(bodies, matrix, size), "r16float", dimension="3d"
             ),
@@ -219,14 +138,14 @@ class VolumePicture:
             size,
             {
                 **classified.resources(),
-                **self.cones(settings, pyramid),
+                **self.cones(settings, pyramid, clip),
                 "volume": self.uniform(settings, clip, classified),
                 "view": view,
                 "lights": lights,
                 "surface": surface,
                 "surface_light": out,
             },
-            {"OCCLUSION": settings.occlusion.on, "SHADOWS": settings.shadow.on},
+            light_constants(settings),
             label="volume on surfaces",
         )
 
@@ -289,32 +208,38 @@ class VolumePicture:
             "illuminated": self._keep("no light", 0, self._no_light),
         }
         constants = {"ISOSURFACE": settings.iso is not None, "SURFACES": surface is not None}
-        chosen = {"OCCLUSION": settings.occlusion.on, "SHADOWS": settings.shadow.on}
         if lighted and settings.light == "monte-carlo":
             sums = self._keep(
                 "sums", size, lambda: self.gpu.buffer(16 * size[0] * size[1], label="volume truth")
             )
             draw_monte_carlo(
-                record, resources, {**constants, **chosen}, self.grid, settings, size, sums
+                record,
+                resources,
+                {**constants, **light_constants(settings)},
+                self.grid,
+                settings,
+                size,
+                sums,
             )
             return
         if lighted:
             pyramid = self.pyramid(classified, settings, clip, solids)
-            resources |= self.cones(settings, pyramid)
+            resources |= self.cones(settings, pyramid, clip)
         if lighted and settings.light == "image":
             record.compute(
                 "passes/volume/raycast_cones.wgsl",
                 "main",
                 size,
                 resources,
-                {**constants, **chosen},
+                {**constants, **light_constants(settings)},
                 label="volume",
             )
             return
         if lighted:
-            resources["illuminated"] = self.illuminated(
-                record, resources, settings, size, constants
-            )
+            texels = LightTexture.texels_for(self.grid, settings)
+            light = self._keep("light", texels, lambda: LightTexture(self.gpu, texels))
+            light.make(record, resources, settings, size, constants)
+            resources["illuminated"] = light.texture
         record.compute(
             "passes/volume/raycast.wgsl",
             "main",

@@ -1,7 +1,7 @@
 // Occlusion and shadows of one point, by cones: toward the viewer, and toward each light.
 
 //#include "view.wgsl"
-//#include "cone.wgsl"
+//#include "peers.wgsl"
 //#include "lamps.wgsl"
 
 override OCCLUSION: bool = false;
@@ -18,14 +18,14 @@ fn to_viewer(p: vec3f) -> vec3f {
 fn illumination(p: vec3f) -> vec4f {
     var out = vec4f(1.0);
     if (OCCLUSION) {
-        out.x = cone_transparency(OCCLUSION_CONE, p, to_viewer(p), NOTHING);
+        out.x = transparency(OCCLUSION_CONE, p, to_viewer(p), NOTHING);
     }
     if (SHADOWS) {
         for (var i = 0u; i < lights.count; i++) {
             let layer = lights.list[i].shadow;
             if (layer >= 0 && layer < 3) {
                 let arriving = incoming_light(lights.list[i], p);
-                out[1 + layer] = cone_transparency(SHADOW_CONE, p, arriving.direction,
+                out[1 + layer] = transparency(SHADOW_CONE, p, arriving.direction,
                     arriving.distance);
             }
         }

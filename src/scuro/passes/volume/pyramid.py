@@ -32,6 +32,7 @@ class Pyramid:
         sigma: Standard deviation of the first level, in mean voxel edges times ``factor``.
         factor: 1, 2 or 4: voxels along each edge of the first level's voxels.
         solids: Texture that is 1 where surfaces fill space, or None.
+        boxes: Average 2 × 2 × 2 texels instead of blurring, as a plain mip chain does.
     """
 
     def __init__(
@@ -42,7 +43,9 @@ class Pyramid:
         sigma: float = 1.0,
         factor: int = 1,
         solids: Any = None,
+        boxes: bool = False,
     ) -> None:
+        self.boxes = boxes
         self.gpu = classified.gpu
         self.classified = classified
         self.sigma = sigma * factor
@@ -142,7 +145,7 @@ class Pyramid:
                 ("blur_yz", 2, (out[0], out[1], rows), (out[0], out[1], count)),
             )
             for entry, axis, before, after in steps:
-                sigma = max(float(sigmas[axis]), LEAST_SIGMA)
+                sigma = LEAST_SIGMA if self.boxes else max(float(sigmas[axis]), LEAST_SIGMA)
                 level = {
                     **fields,
                     "input": before,
@@ -150,7 +153,8 @@ class Pyramid:
                     "axis": axis,
                     "last": int(axis == 2),
                     "sigma": sigma,
-                    "reach": max(REACH * sigma, 0.5),
+                    # the two nearest of an even number of texels, or the one of an odd number
+                    "reach": 0.75 if self.boxes else max(REACH * sigma, 0.5),
                 }
                 threads = (-(-after[0] // 2), after[1], after[2])
                 record.compute(

@@ -5,6 +5,9 @@ from __future__ import annotations
 from scuro.errors import SettingsError
 from scuro.settings import SettingsGroup, setting
 
+PEERS = {"voxel-cones": 1, "summed-area": 2, "local-sphere": 3}
+"""Methods that Gaussian cones are compared with, and their numbers in peers.wgsl."""
+
 
 def _split(value: int) -> None:
     if value not in (1, 3, 7):
@@ -54,15 +57,16 @@ class VolumeSettings(SettingsGroup):
     shininess: float = setting(40.0, "exponent of highlights", low=1, high=500)
     light: str = setting(
         "object",
-        "where occlusion and shadows are worked out: precomputed over the volume, in the image at "
-        "every sample, or there by Monte Carlo, the slow truth",
-        choices=("object", "image", "monte-carlo"),
+        "occlusion and shadows by Gaussian cones precomputed over the volume (object) or traced at "
+        "every sample (image); by Monte Carlo, the slow truth; or by other published methods",
+        choices=("object", "image", "monte-carlo", *PEERS),
     )
     rays: int = setting(64, "rays a cone for Monte Carlo", low=1, high=65536)
     light_resolution: float = setting(
         0.5, "resolution of precomputed light, relative to the volume", low=0.05, high=1
     )
     light_all: bool = setting(False, "precompute light also where no ray of the picture reads it")
+    radius: float = setting(8.0, "reach of 'local-sphere'", low=1, high=64, unit="voxels")
     sigma: float = setting(1.0, "deviation of the first Gaussian", low=0.3, high=8, unit="voxels")
     coefficients: int = setting(1, "voxels along each side of a coefficient", low=1, high=8)
     constant_exact: bool = setting(

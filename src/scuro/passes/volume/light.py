@@ -1,0 +1,149 @@
+"""Occlusion and shadows precomputed over a volume, where the rays of the picture will read them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from scuro.gpu import Gpu, Recorder
+from scuro.passes.volume.cone_sections import cone_sections
+from scuro.passes.volume.grid import VolumeGrid
+from scuro.passes.volume.pyramid import Pyramid
+from scuro.passes.volume.settings import PEERS, VolumeSettings
+
+BRICK = 4
+"""Edge in texels of the bricks in which light is made (illuminate.wgsl has the same)."""
+
+MARK_SCALE = 2
+"""Rays that look for the bricks to light are cast for one pixel in so many along each side."""
+
+LISTED_A_ROW = 65536
+"""Threads along x of the pass that lists bricks."""
+
+LIGHT_GROUPS = 1024
+"""Workgroups that share the bricks to light."""
+
+
+def cone_kinds(
+    grid: VolumeGrid, pyramid: Pyramid, settings: VolumeSettings
+) -> list[dict[str, Any]]:
+    """The ``Cone`` structs of cone.wgsl: of occlusion and of shadows."""
+    kinds = []
+    for chosen in (settings.occlusion, settings.shadow):
+        sections = cone_sections(
+            chosen.angle,
+            chosen.length * grid.diagonal / grid.voxel,
+            sigma=pyramid.sigma,
+            gap=chosen.gap,
+            most_cones=chosen.cones,
+            levels=pyramid.levels,
+            constant_exact=settings.constant_exact,
+        )
+        kinds.append(
+            {
+                "counts": sections.counts,
+                "sigma": pyramid.sigma,
+                "starts": sections.starts,
+                "tangent": sections.tangent,
+                "attenuation": chosen.attenuation,
+                "reach": chosen.length * grid.diagonal,
+                "parts": sections.parts,
+                "pad": 0,
+                "sections": sections.table,
+            }
+        )
+    return kinds
+
+
+def light_constants(settings: VolumeSettings) -> dict[str, Any]:
+    """Constants of illumination.wgsl."""
+    return {
+        "OCCLUSION": settings.occlusion.on,
+        "SHADOWS": settings.shadow.on,
+        "METHOD": PEERS.get(settings.light, 0),
+        "LOCAL_RADIUS": settings.radius,
+    }
+
+
+class LightTexture:
+    """Visibility and the shadows of three lights over a volume (Campagnolo 2021, 3.3.3).
+
+    Args:
+        gpu: Where to put it.
+        texels: Along x, y, z.
+    """
+
+    def __init__(self, gpu: Gpu, texels: tuple[int, int, int]) -> None:
+        self.texels = texels
+        self.texture = gpu.texture(texels, "rgba16float", dimension="3d", label="volume light")
+        self.bricks = tuple(-(-n // BRICK) for n in texels)
+        count = int(np.prod(self.bricks))
+        self._marks = gpu.buffer(4 * count, label="light marks")
+        self._wanted = gpu.buffer(4 + 4 * count, label="bricks to light")
+
+    @staticmethod
+    def texels_for(grid: VolumeGrid, settings: VolumeSettings) -> tuple[int, int, int]:
+        """Texels of the light of a volume."""
+        x, y, z = (max(1, round(n * settings.light_resolution)) for n in grid.size)
+        return x, y, z
+
+    def make(
+        self,
+        record: Recorder,
+        resources: Mapping[str, Any],
+        settings: VolumeSettings,
+        size: tuple[int, int],
+        constants: Mapping[str, Any],
+    ) -> None:
+        """Record the light of all bricks, or of those that the picture's rays read.
+
+        Args:
+            record: Where to.
+            resources: What march.wgsl and cone.wgsl want bound.
+            settings: Of the volume.
+            size: Width and height of the picture.
+            constants: ``ISOSURFACE`` as the picture has it.
+        """
+        fields = {"size": self.texels, "width": self.bricks[0], "height": self.bricks[1]}
+        if not settings.light_all:
+            record.clear_buffer(self._marks)
+            self._mark(record, resources, fields, size, constants)
+        resources = {
+            **resources,
+            "bricks": {**fields, "depth": self.bricks[2], "all_bricks": int(settings.light_all)},
+            "marks": self._marks,
+            "wanted": self._wanted,
+            "illuminated": self.texture,
+        }
+        chosen = light_constants(settings)
+        shader = "passes/volume/illuminate.wgsl"
+        count = int(np.prod(self.bricks))
+        record.clear_buffer(self._wanted)
+        threads = (LISTED_A_ROW, -(-count // LISTED_A_ROW))
+        record.compute(shader, "list_bricks", threads, resources, chosen, label="volume marks")
+        threads = (BRICK * min(LIGHT_GROUPS, count), BRICK, BRICK)
+        record.compute(shader, "main", threads, resources, chosen, label="volume light")
+
+    def _mark(
+        self,
+        record: Recorder,
+        resources: Mapping[str, Any],
+        fields: dict[str, Any],
+        size: tuple[int, int],
+        constants: Mapping[str, Any],
+    ) -> None:
+        small = tuple(-(-n // MARK_SCALE) for n in size)
+        view = dict(resources["view"])
+        view["size"] = tuple(n / MARK_SCALE for n in view["size"])
+        view["origin"] = tuple(n / MARK_SCALE for n in view["origin"])
+        march = resources["march"] | {"width": small[0], "height": small[1]}
+        record.compute(
+            "passes/volume/mark.wgsl",
+            "main",
+            small,
+            {**resources, "view": view, "march": march, "bricks": fields, "marks": self._marks},
+            {"ISOSURFACE": constants["ISOSURFACE"]},
+            label="volume marks",
+        )
