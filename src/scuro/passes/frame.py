@@ -49,7 +49,7 @@ class TargetPool:
         return held[1]
 
     def table(self, name: str, key: Any, make: Callable[[], Any]) -> Any:
-        """A texture that ``make`` fills, kept under ``name`` as long as ``key`` stays the same."""
+        """What ``make`` gives, kept under ``name`` as long as ``key`` stays the same."""
         held = self._tables.get(name)
         if held is None or held[0] != key:
             self._tables[name] = held = (key, make())

@@ -196,7 +196,7 @@ def scene_points(scene: Scene) -> NDArray[np.float64]:
     """
     bodies = scene.bodies()
     exact = sum(len(b.geometry) * len(b.positions) for b in bodies) <= _EXACT_POINTS
-    found = [_body_points(body, exact) for body in bodies]
+    found = [body_points(body, exact) for body in bodies]
     boxes = [item.volume.bounds for item in scene.volumes]
     found += [_bare(item.outline) for item in scene.reservoirs]
     others = [item for item in scene.items if item not in scene.reservoirs]
@@ -205,7 +205,8 @@ def scene_points(scene: Scene) -> NDArray[np.float64]:
     return np.concatenate(found) if found else np.zeros((0, 4))
 
 
-def _body_points(body: Body, exact: bool) -> NDArray[np.float64]:
+def body_points(body: Body, exact: bool) -> NDArray[np.float64]:
+    """(n, 4) world centres and radii that bound a body: of its primitives, or of its instances."""
     geometry = body.geometry
     if not len(geometry) or not len(body.positions):
         return np.zeros((0, 4))
