@@ -33,7 +33,7 @@ class VolumeShadowSettings(SettingsGroup):
     length: float = setting(0.75, "length of the cones, in volume diagonals", low=0.01, high=2)
     cones: int = setting(1, "cones after splitting: 1, 3 or 7", check=_split)
     gap: float = setting(3.0, "first sample's distance, in sigmas", low=0.1, high=50)
-    attenuation: float = setting(0.35, "global factor on what is met", low=0, high=2)
+    attenuation: float = setting(1.0, "global factor on what is met", low=0, high=2)
 
 
 class VolumeSettings(SettingsGroup):

@@ -1,0 +1,177 @@
+"""Volumes: time of emission-absorption, occlusion, shadows and pyramid; ΔE2000 from Monte Carlo.
+
+Without inputs, two volumes made here: a head-like one (197×233×189, step 1, at the given size) and
+the Marschner-Lobb signal at 256³ (step 0.5, 768×768). Each method's picture is also drawn at a
+sixth of the size and held against Monte Carlo there, with the attenuation that fits best.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from scuro.measure.bench import BenchOptions, median_seconds
+from scuro.measure.memory import peak_memory_mb
+from scuro.measure.metrics import delta_e
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.scene.scene import Scene
+from scuro.scene.view import ViewSettings, view_camera
+from scuro.scene.volume import Volume
+
+_PLAIN = {
+    "volume__occlusion__on": False,
+    "volume__shadow__on": False,
+    "volume__shading": "none",
+    "background": "black",
+}
+_OCCLUSION = _PLAIN | {"volume__occlusion__on": True}
+_SHADOW = _PLAIN | {"volume__shadow__on": True}
+_BOTH = _OCCLUSION | {"volume__shadow__on": True}
+_METHODS: dict[str, dict[str, Any]] = {
+    "emission-absorption": _PLAIN,
+    "occlusion, object space": _OCCLUSION,
+    "occlusion, object space 1/3": _OCCLUSION | {"volume__light_resolution": 0.34},
+    "occlusion, image space": _OCCLUSION | {"volume__light": "image"},
+    "occlusion, 7 cones, constant-exact": _OCCLUSION
+    | {"volume__light": "image", "volume__occlusion__cones": 7, "volume__constant_exact": True},
+    "shadow, object space": _SHADOW,
+    "shadow, voxel cones": _SHADOW | {"volume__light": "voxel-cones"},
+    "shadow, summed area": _SHADOW | {"volume__light": "summed-area"},
+    "occlusion and shadow": _BOTH,
+}
+_ATTENUATIONS = (0.2, 0.35, 0.5, 0.7, 1.0, 1.4)
+_TRUTH_RAYS = 64
+_TRUTH_SHARE = 6
+"""Monte Carlo is drawn at one in so many pixels along each side."""
+
+
+def run(options: BenchOptions) -> dict[str, Any]:
+    """Measure every method on every volume; see the module."""
+    renderer = Renderer(options.device)
+    rows = []
+    for name, volume, size, step in _volumes(options):
+        scene = Scene([]).add(volume)
+        base = Settings(size=size).replace(volume__step=step, volume__jitter=0.0)
+        options.say(f"{name}: pyramid")
+        rows.append(_prepare(renderer, scene, base, name))
+        truths: dict[str, Any] = {}
+        for method, changes in _METHODS.items():
+            options.say(f"{name}: {method}")
+            rows.append(
+                _measure(renderer, scene, base, name, method, changes, options.frames, truths)
+            )
+    return {
+        "adapter": str(renderer.gpu.info),
+        "frames": options.frames,
+        "rows": rows,
+        "peak_memory_mb": peak_memory_mb(),
+    }
+
+
+def _volumes(options: BenchOptions) -> Iterator[tuple[str, Volume, tuple[int, int], float]]:
+    if options.inputs:
+        from scuro.load import load
+
+        for name in options.inputs:
+            yield name, load(name), options.size, 0.5
+        return
+    yield "head 197×233×189", _head(), options.size, 1.0
+    yield "Marschner-Lobb 256³", _marschner_lobb(256), (768, 768), 0.5
+
+
+def _head() -> Volume:
+    """An ellipsoid with folds, a skull around it and soft tissue outside, as a template has."""
+    nx, ny, nz = 197, 233, 189
+    z, y, x = np.meshgrid(*(np.linspace(-1, 1, n, dtype=np.float32) for n in (nz, ny, nx)),
+                          indexing="ij")  # fmt: skip
+    r = np.sqrt(x * x + y * y + z * z)
+    folds = 0.03 * np.sin(22 * x) * np.sin(20 * y) * np.sin(24 * z)
+    brain = 150 * (r + folds < 0.68) + 60 * (r + folds < 0.5)
+    values = np.where((r > 0.76) & (r < 0.84), 90, brain) + 40 * ((r >= 0.84) & (r < 0.9))
+    return Volume(values.astype(np.uint8), name="head")
+
+
+def _marschner_lobb(n: int) -> Volume:
+    """The test signal of Marschner and Lobb 1994 with f_M = 6, alpha = 0.25."""
+    axis = np.linspace(-1, 1, n, dtype=np.float32)
+    z, y, x = axis[:, None, None], axis[None, :, None], axis[None, None, :]
+    wave = np.cos(12 * np.pi * np.cos(np.pi / 2 * np.sqrt(x * x + y * y)))
+    values = (1 - np.sin(np.pi * z / 2) + 0.25 * (1 + wave)) / 2.5
+    return Volume((255 * values).astype(np.uint8), name="Marschner-Lobb")
+
+
+def _prepare(renderer: Renderer, scene: Scene, base: Settings, name: str) -> dict[str, Any]:
+    """Seconds of the pyramid alone: what a new transfer function costs."""
+    from scuro.passes.volume.draw import VolumePicture
+    from scuro.passes.volume.pyramid import Pyramid
+    from scuro.scene.clip import Clip
+    from scuro.style.transfer_choose import choose_transfer
+
+    volume = scene.volumes[0].volume
+    picture = VolumePicture(renderer.gpu, volume, volume.bounds.mean(axis=0))
+    classified = picture.classified(choose_transfer(volume), base.volume)
+    uniform = picture.uniform(base.volume, Clip(), classified)
+    seconds = median_seconds(lambda: Pyramid(classified, uniform), 2)
+    return _row(name, "pyramid", "", seconds, None, None)
+
+
+def _measure(
+    renderer: Renderer,
+    scene: Scene,
+    base: Settings,
+    name: str,
+    method: str,
+    changes: dict[str, Any],
+    frames: int,
+    truths: dict[str, Any],
+) -> dict[str, Any]:
+    settings = base.replace(**changes)
+    width, height = settings.size
+    camera = view_camera(scene, ViewSettings(azimuth=30.0, elevation=20.0), width / height)
+
+    def draw() -> None:
+        renderer.frame(scene, camera, settings).recorder.submit()
+        renderer.gpu.finish()
+
+    seconds = median_seconds(draw, frames)
+    size = f"{width}×{height}"
+    kind = method.split(",")[0]
+    if changes is _PLAIN:
+        return _row(name, method, size, seconds, None, None)
+    small = settings.replace(size=(width // _TRUTH_SHARE, height // _TRUTH_SHARE))
+    if kind not in truths:
+        truth = small.replace(volume__light="monte-carlo", volume__rays=_TRUTH_RAYS)
+        start = time.perf_counter()
+        picture = renderer.render(scene, camera, truth)
+        truths[kind] = picture.pixels, picture.buffer("volume_opacity") > 0.02
+        truths[f"{kind} seconds"] = (time.perf_counter() - start) * _TRUTH_SHARE**2
+    pixels, mask = truths[kind]
+    found = []
+    for alpha in _ATTENUATIONS:
+        fitted = small.replace(
+            volume__occlusion__attenuation=alpha, volume__shadow__attenuation=alpha
+        )
+        drawn = renderer.render(scene, camera, fitted).pixels
+        found.append((delta_e(drawn, pixels, mask), alpha))
+    error, alpha = min(found)
+    row = _row(name, method, size, seconds, error, alpha)
+    row["times faster than Monte Carlo"] = round(truths[f"{kind} seconds"] / seconds)
+    return row
+
+
+def _row(
+    name: str, method: str, size: str, seconds: float, error: float | None, alpha: float | None
+) -> dict[str, Any]:
+    return {
+        "volume": name,
+        "method": method,
+        "size": size,
+        "ms": round(1e3 * seconds, 1),
+        "ΔE2000": None if error is None else round(error, 2),
+        "attenuation": alpha,
+        "times faster than Monte Carlo": None,
+    }
