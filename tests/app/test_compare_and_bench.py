@@ -64,3 +64,13 @@ def test_bench_lists_runs_and_refuses(capfd):
     assert run(["bench", "visiblity"]) == 2
     assert "did you mean 'visibility'" in capfd.readouterr().err
     assert run(["bench", "visibility", "--size", "0x9"]) == 2
+
+
+def test_bench_shadows_holds_each_technique_to_area_lights(capfd):
+    assert (
+        run(["bench", "shadows", "sample:1hpv", "--size", "96x72", "--frames", "1", "--json"]) == 0
+    )
+    rows = {row["shadows"]: row for row in json.loads(capfd.readouterr().out)["rows"]}
+    assert set(rows) == {"none", "hard", "soft", "area", "mapped"}
+    assert rows["hard"]["rmse"] > rows["soft"]["rmse"]
+    assert rows["none"]["rmse"] > 2 * max(rows[k]["rmse"] for k in ("hard", "soft", "area"))

@@ -33,7 +33,7 @@ def run(options: BenchOptions) -> dict[str, Any]:
     renderer = Renderer(options.device)
     software = renderer.gpu.info.software
     rows = []
-    for name, scene in _scenes(options):
+    for name, scene in scenes(options):
         for way in ("raycast", "raster"):
             options.say(f"{name}, {way}")
             row = _measure(renderer, scene, way, options, skip_raster=software)
@@ -47,7 +47,8 @@ def run(options: BenchOptions) -> dict[str, Any]:
     }
 
 
-def _scenes(options: BenchOptions) -> Any:
+def scenes(options: BenchOptions) -> Any:
+    """Names and scenes of the inputs, or of droplets of 300 to 1,000,000 atoms and a capsid."""
     if options.inputs:
         from scuro.load import load
 

@@ -49,6 +49,7 @@ fn inside(pixel: vec2i) -> bool {
     return all(pixel >= vec2i(0)) && all(pixel < vec2i(textureDimensions(surface)));
 }
 
+// Negative values are unknown: they stay so, and do not count for others.
 fn along(pixel: vec2i, axis: vec2i) -> f32 {
     let texel = textureLoad(surface, pixel, 0);
     let reach = i32(smooth_settings.reach);
@@ -63,11 +64,12 @@ fn along(pixel: vec2i, axis: vec2i) -> f32 {
         }
         let here = textureLoad(surface, place, 0);
         let x = f32(i) / (f32(reach) + 0.5);
-        let w = weight(center, place, here) * (1.0 - x * x);
-        sum += w * textureLoad(source, place, 0).x;
+        let value = textureLoad(source, place, 0).x;
+        let w = select(weight(center, place, here) * (1.0 - x * x), 0.0, value < 0.0);
+        sum += w * value;
         total += w;
     }
-    return sum / total;
+    return select(sum / total, -1.0, textureLoad(source, pixel, 0).x < 0.0);
 }
 
 @compute @workgroup_size(8, 8)
@@ -82,7 +84,8 @@ fn across(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loc
 fn down(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let pixel = vec2i(tile_pixel(group, local));
     if (inside(pixel)) {
-        textureStore(result, pixel, vec4f(along(pixel, vec2i(0, 1))));
+        let value = along(pixel, vec2i(0, 1));
+        textureStore(result, pixel, vec4f(select(value, 1.0, value < 0.0)));
     }
 }
 

@@ -68,13 +68,15 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         textureStore(result, pixel, vec4f(1.0));
         return;
     }
-    let place = map_place(light, position);
     let size = f32(mapped.size);
     // an octahedral texel spans at most 4 / size of the distance, others 2 / size of the extent
-    let width = 2.0 / size * select(2.0 * place.z, scene.extent, light.kind == DIRECTIONAL);
-    // how much deeper than its neighbour a tilted surface's texel is, for all texels compared
-    let tilt = min(sqrt(1.0 - min(facing * facing, 1.0)) / facing, 30.0);
-    let bias = mapped.bias * width * (1.0 + tilt * f32(mapped.taps + 2));
+    let range = select(2.0 * distance(light.position, position), scene.extent,
+        light.kind == DIRECTIONAL);
+    let bias = mapped.bias * 2.0 / size * range;
+    // a tilted surface's texels differ in depth: compare above it, by as far as the kernel reaches
+    let sine = sqrt(max(0.0, 1.0 - facing * facing));
+    let above = position + texel.xyz * (bias * (f32(mapped.taps) + 1.5) * sine);
+    let place = map_place(light, above);
     let at = (place.xy * 0.5 + 0.5) * size - 0.5;
     let base = vec2i(floor(at));
     let part = at - floor(at);

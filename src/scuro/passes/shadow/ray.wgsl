@@ -40,6 +40,7 @@ fn square_point(pixel: vec2u, index: u32) -> vec2f {
     return r2_point(first * count + corner.x + rays.pattern * corner.y, vec2u(seed, hash(seed)));
 }
 
+// Where no ray is traced: 1, or -1 for the filter.
 fn lit_at(pixel: vec2u) -> f32 {
     let texel = textureLoad(surface, pixel, 0);
     let position = scene_position(vec2f(pixel) + 0.5, texel.w);
@@ -54,11 +55,13 @@ fn lit_at(pixel: vec2u) -> f32 {
         return select(1.0, 0.0, trace_any(Ray(origin, arriving.direction), 0.0, end));
     }
     var lit = 0.0;
+    let unknown = select(1.0, -1.0, rays.pattern != 0u);
     for (var i = 0u; i < rays.samples; i += 1u) {
         let direction = light_direction(light, arriving, rays.spread, square_point(pixel, i));
         lit += select(1.0, 0.0, trace_any(Ray(origin, direction), 0.0, end));
     }
-    return lit / f32(rays.samples);
+    // what the light does not reach must not brighten its neighbours when they are smoothed
+    return select(unknown, lit / f32(rays.samples), reached);
 }
 
 @compute @workgroup_size(8, 8)

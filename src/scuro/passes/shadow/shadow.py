@@ -34,7 +34,7 @@ class ShadowSettings(SettingsGroup):
         high=45,
         unit="deg",
     )
-    penumbra: float = setting(1.0, "widest penumbra, in median atom radii (soft)", low=0, high=10)
+    penumbra: float = setting(0.6, "widest penumbra, in median atom radii (soft)", low=0, high=10)
     ratio: float | None = setting(
         None,
         "outer over inner radius, as Parker has it, instead of penumbras that widen (soft)",
