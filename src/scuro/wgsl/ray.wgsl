@@ -159,10 +159,13 @@ fn plane_hit(ray: Ray, a: vec3f, b: vec3f, c: vec3f) -> vec3f {
     return vec3f(dot(ac, q) / det, u, dot(ray.direction, q) / det);
 }
 
+// Rounding must not open a gap between two triangles that share an edge.
+const EDGE_OVERLAP: f32 = 1e-5;
+
 // The same within the triangle, from either side; t = NOTHING for a miss.
 fn triangle_hit(ray: Ray, a: vec3f, b: vec3f, c: vec3f) -> vec3f {
     let hit = plane_hit(ray, a, b, c);
-    if (hit.y < 0.0 || hit.z < 0.0 || hit.y + hit.z > 1.0) {
+    if (min(hit.y, hit.z) < -EDGE_OVERLAP || hit.y + hit.z > 1.0 + EDGE_OVERLAP) {
         return vec3f(NOTHING, 0.0, 0.0);
     }
     return hit;

@@ -75,6 +75,9 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
             which = slot + select(0u, 1u, h > 0.5);
             if (kind == ROD) {
                 normal = (point - a.xyz - h * axis) / a.w;
+                if (dot(normal, normal) < 0.998) {
+                    normal = select(-axis, axis, h > 0.5); // a flat end
+                }
             } else {
                 normal = cone_normal(point, a.xyz, b.xyz, a.w, b.w);
             }

@@ -138,6 +138,9 @@ fn solid(in: Fragment) -> Output {
     var kept = Kept(-NOTHING, NOTHING, 0u);
     if (CLIPPED && (traced_object(instance.object).flags & UNCLIPPED) == 0u) {
         kept = kept_interval(ray);
+        if (kept.near >= kept.far) {
+            discard;
+        }
     }
     var hit = NO_HIT;
     var entry = Entry(vec4f(0.0), in.primitive, true);

@@ -1,0 +1,147 @@
+"""The grids against brute force: every primitive is found, by trace_nearest and trace_any alike."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from harness import evaluate, gpu
+
+from scuro.scene.clip import Clip, Plane
+from scuro.scene.geometry import Body, Geometry, rotation_matrices
+from scuro.trace import build_accelerator
+
+
+def _balls(n, seed, spread, radius, anisotropy=(1, 1, 1)):
+    rng = np.random.default_rng(seed)
+    table = np.float32(
+        np.hstack([rng.normal(size=(n, 3)) * spread * anisotropy, rng.uniform(*radius, (n, 1))])
+    )
+    return Geometry(table, np.zeros((n, 4), np.uint8), np.arange(n, dtype=np.int32))
+
+
+def _turned(geometry, copies, seed, spread):
+    rng = np.random.default_rng(seed)
+    q = rng.normal(size=(copies, 4))
+    q /= np.linalg.norm(q, axis=1, keepdims=True)
+    return Body(geometry, np.float32(q), rng.normal(size=(copies, 3)) * spread)
+
+
+SCENES = {
+    "one": [Body(_balls(300, 1, 10, (0.5, 2)))],
+    "a single sphere": [Body(_balls(1, 2, 1, (1, 1)))],
+    "a line": [Body(_balls(200, 3, 10, (0.3, 0.6), (1, 0, 0)))],
+    "a plane": [Body(_balls(200, 4, 10, (0.3, 0.6), (1, 1, 0)))],
+    "one giant among dwarfs": [
+        Body(_balls(200, 5, 10, (0.05, 0.1))), Body(_balls(1, 6, 1, (6, 6)))
+    ],
+    "instances": [_turned(_balls(50, 7, 3, (0.5, 1)), 40, 8, 30)],
+    "distant instances": [_turned(_balls(20, 9, 2, (0.5, 1)), 3, 10, 2000)],
+}  # fmt: skip
+
+
+def _world(bodies):
+    """All spheres of all instances (n, 4)."""
+    return np.concatenate(
+        [
+            np.hstack([body.geometry.spheres[:, :3] @ m.T + p, body.geometry.spheres[:, 3:]])
+            for body in bodies
+            for m, p in zip(rotation_matrices(body.rotations), body.positions, strict=True)
+        ]
+    ).astype(np.float64)
+
+
+def _rays(spheres, count, seed):
+    """At spheres, along axes, and past everything."""
+    rng = np.random.default_rng(seed)
+    low, high = spheres[:, :3].min(axis=0), spheres[:, :3].max(axis=0)
+    size = max(float((high - low).max()), float(spheres[:, 3].max()))
+    aim = spheres[rng.integers(0, len(spheres), count)]
+    d = rng.normal(size=(count, 3))
+    d[: count // 4] = np.eye(3)[rng.integers(0, 3, count // 4)] * rng.choice(
+        [-1, 1], (count // 4, 1)
+    )
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    target = aim[:, :3] + rng.normal(size=(count, 3)) * aim[:, 3:] * 0.6
+    target[-count // 8 :] += size
+    return np.float32(target - d * size * rng.uniform(0, 2, (count, 1))), np.float32(d)
+
+
+def _entries(o, d, spheres):
+    """(rays, spheres) entry distances, infinite for misses; and how clear of grazing each is."""
+    o, d = o.astype(np.float64), d.astype(np.float64)
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    to = spheres[None, :, :3] - o[:, None]
+    along = np.einsum("nkj,nj->nk", to, d)
+    square = spheres[:, 3] ** 2 - np.sum((to - along[..., None] * d[:, None]) ** 2, axis=2)
+    t = np.where(square >= 0, along - np.sqrt(np.maximum(square, 0)), np.inf)
+    return t, np.abs(square) / spheres[:, 3] ** 2
+
+
+def _traced(bodies, o, d, clip=None):
+    accelerator = build_accelerator(gpu(), bodies, np.zeros(3))
+    resources, constants = accelerator.clipped(clip or Clip())
+    shared = {"a": o, "b": d, "resources": resources, "constants": constants}
+    nearest = evaluate("trace.wgsl", "trace_nearest(Ray(a.xyz, b.xyz), a.w, NOTHING)",
+                       result="vec4f(value.t, f32(value.instance), f32(slot_of(value.primitive)), "
+                       "f32(value.cap))", **shared)  # fmt: skip
+    some = evaluate("trace.wgsl", "select(0.0, 1.0, trace_any(Ray(a.xyz, b.xyz), a.w, NOTHING))",
+                    **shared)  # fmt: skip
+    return nearest, some[:, 0] > 0
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_sphere_is_found(name):
+    spheres = _world(SCENES[name])
+    o, d = _rays(spheres, 4000, 3)
+    t, margin = _entries(o, d, spheres)
+    nearest, some = _traced(SCENES[name], o, d)
+    ahead = np.where(t >= 0, t, np.inf)
+    scale = np.linalg.norm(o, axis=1) + np.abs(spheres).max()
+    # not those that graze, or start within rounding of a surface
+    close = (np.abs(t) < 1e-5 * scale[:, None]) & np.isfinite(t)
+    clear = (margin > 1e-3).all(axis=1) & ~close.any(axis=1)
+    assert clear.mean() > 0.5
+    wanted = ahead.min(axis=1)
+    hit = np.isfinite(wanted)
+    found = nearest[:, 0] < 1e38
+    assert np.array_equal(found[clear], hit[clear])
+    assert np.array_equal(some[clear], hit[clear]), "trace_any and trace_nearest must agree"
+    both = clear & hit
+    assert both.any()
+    assert np.all(np.abs(nearest[:, 0] - wanted)[both] < 3e-5 * scale[both])
+
+
+def test_a_hit_names_its_instance():
+    bodies = SCENES["instances"]
+    count = len(bodies[0].geometry)
+    spheres = _world(bodies)
+    o, d = _rays(spheres, 3000, 5)
+    t, _ = _entries(o, d, spheres)
+    t = np.where(t >= 0, t, np.inf)
+    order = np.sort(t, axis=1)
+    lone = order[:, 0] + 1e-2 < order[:, 1]
+    nearest, _ = _traced(bodies, o, d)
+    assert lone.sum() > 500
+    same = nearest[lone, 1] == (t.argmin(axis=1) // count)[lone]
+    assert same.mean() > 0.998
+
+
+def test_any_and_nearest_agree_on_rays_that_planes_cut():
+    clip = Clip((Plane((1, 0, 0), (1, 0.2, 0)), Plane((0, 0, 2), (0.1, 0, -1))))
+    for spared in (False, True):
+        bodies = [
+            SCENES["one"][0],
+            Body(_balls(100, 11, 8, (0.5, 1)), clipped=not spared),
+        ]
+        o, d = _rays(_world(bodies), 4000, 7)
+        nearest, some = _traced(bodies, o, d, clip)
+        assert ((nearest[:, 0] < 1e38) == some).mean() > 0.999
+        assert (nearest[:, 3] > 0).sum() > 50, "some hits are caps"
+
+
+def test_nothing_traces_to_nothing():
+    o, d = np.zeros((4, 3), np.float32), np.float32([[1, 0, 0]] * 4)
+    for bodies in ([], [Body(Geometry())], [Body(SCENES["one"][0].geometry, np.zeros((0, 4)),
+                                                 np.zeros((0, 3)))]):  # fmt: skip
+        nearest, some = _traced(bodies, o, d)
+        assert np.all(nearest[:, 0] > 1e38) and not some.any()
