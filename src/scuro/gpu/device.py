@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any
 
 from scuro.errors import GpuError, SettingsError
+from scuro.gpu.ffi import quicken
 
 _FEATURES = ("timestamp-query", "float32-filterable")
 # WebGPU's default limits where they are lower than what desktop adapters offer (specification,
@@ -76,7 +77,9 @@ def _wgpu() -> Any:
     os.environ.setdefault("XDG_RUNTIME_DIR", tempfile.gettempdir())
     import wgpu
     import wgpu.backends.wgpu_native.extras as extras
+    from wgpu.backends.wgpu_native import ffi
 
+    quicken(ffi)
     backends = os.environ.get("SCURO_BACKENDS", "Vulkan,Metal,DX12").split(",")
     extras.set_instance_extras(backends=backends)
     return wgpu
