@@ -1,30 +1,43 @@
-// Copies what the cells list beside their references: see Entry in wgsl/trace.wgsl.
+// Writes what rays walk through: a texel for each cell, then one for each entry of a cell's list.
+// Both in one table, so that one fetch serves whichever a ray needs next (wgsl/trace.wgsl).
 
 //#include "scene_types.wgsl"
 
 struct Copying {
     first: u32,
-    count: u32,
+    cells: u32,
+    // cells and entries
+    total: u32,
 }
 
 @group(0) @binding(0) var<uniform> copying: Copying;
 @group(0) @binding(1) var slots: texture_2d<f32>;
-@group(0) @binding(2) var ref_table: texture_2d<u32>;
-@group(0) @binding(3) var entry_table: texture_storage_2d<rgba32float, write>;
+@group(0) @binding(2) var<storage, read> cells: array<u32>;
+@group(0) @binding(3) var<storage, read> refs: array<u32>;
+@group(0) @binding(4) var walked: texture_storage_2d<rgba32uint, write>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let index = copying.first + id.x;
-    if (index >= copying.count) {
+    if (index >= copying.total) {
         return;
     }
-    let reference = textureLoad(ref_table, table_place(index), 0).x;
-    let primitive = reference & ~LAST_OF_CELL;
-    let last = (reference & LAST_OF_CELL) != 0u;
-    var texel = vec4f(f32(primitive & 0xffffu), f32(primitive >> 16u), select(0.0, 1.0, last), 0.0);
-    if (kind_of(primitive) == SPHERE) {
-        texel = textureLoad(slots, table_place(slot_of(primitive)), 0);
-        texel.w = select(texel.w, -texel.w, last);
+    var texel: vec4u;
+    if (index < copying.cells) {
+        // where the list begins, and whether it is empty
+        let first = cells[index];
+        texel = vec4u(first, select(0u, 1u, first == EMPTY_CELL), 0u, 0u);
+    } else {
+        let reference = refs[index];
+        let primitive = reference & ~LAST_OF_CELL;
+        let last = (reference & LAST_OF_CELL) != 0u;
+        if (kind_of(primitive) == SPHERE) {
+            // a sphere whole; radius negative for the last of a cell
+            texel = bitcast<vec4u>(textureLoad(slots, table_place(slot_of(primitive)), 0));
+            texel.w |= select(0u, 0x80000000u, last);
+        } else {
+            texel = vec4u(primitive, select(0u, 1u, last), 0u, 0u);
+        }
     }
-    textureStore(entry_table, table_place(index), texel);
+    textureStore(walked, table_place(index), texel);
 }

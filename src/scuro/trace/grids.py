@@ -111,7 +111,7 @@ def _top_grid(bodies: Sequence[Body], center: NDArray, margin: float) -> tuple[A
 def build_grids(
     gpu: Gpu, plan: GridPlan, slots: Any, spheres: NDArray[np.float32]
 ) -> dict[str, Any]:
-    """The ``cells``, ``refs`` and ``entries`` tables of all grids together.
+    """The ``walked`` and ``refs`` tables of all grids together (wgsl/scene.wgsl).
 
     Args:
         gpu: Where to.
@@ -121,7 +121,7 @@ def build_grids(
     """
     items, cell_count = plan.items, plan.cells
     counts = gpu.buffer(4 * cell_count, label="grid counts")
-    cells = gpu.buffer(padded_bytes(cell_count), label="grid cells")
+    cells = gpu.buffer(4 * cell_count, label="grid cells")
     placeholder = gpu.buffer(16)
     resources = {
         "items": gpu.buffer(items, label="primitives to sort"),
@@ -149,10 +149,11 @@ def build_grids(
     run("count", len(items))
     lengths = gpu.read_buffer(counts, np.uint32)[:cell_count]
     ends = np.cumsum(lengths, dtype=np.int64)
-    starts = np.zeros(cell_count, np.uint32)
-    starts[1:] = ends[:-1]
+    # references and what they refer to are numbered alike, after the cells
+    starts = np.full(cell_count, cell_count, np.uint32)
+    starts[1:] += ends[:-1].astype(np.uint32)
     gpu.write_buffer(cells, starts)
-    total = int(ends[-1])
+    total = cell_count + int(ends[-1])
     refs = gpu.buffer(padded_bytes(total), label="grid references")
     resources["refs"] = refs
     recorder = gpu.recorder()
@@ -160,25 +161,21 @@ def build_grids(
     recorder.submit()
     run("fill", len(items))
     run("finish", cell_count)
-    ref_table = table_from_buffer(gpu, refs, total)
-    entries = empty_table(gpu, total, "rgba32float", "grid entries")
+    walked = empty_table(gpu, total, "rgba32uint", "grid entries")
     for first in range(0, total, 65535 * 64):
         gpu.compute(
             "trace/copy.wgsl",
             "main",
             (min(65535 * 64, total - first),),
             {
-                "copying": {"first": first, "count": total},
+                "copying": {"first": first, "cells": cell_count, "total": total},
                 "slots": slots,
-                "ref_table": ref_table,
-                "entry_table": entries,
+                "cells": cells,
+                "refs": refs,
+                "walked": walked,
             },
         )
-    return {
-        "cells": table_from_buffer(gpu, cells, cell_count),
-        "refs": ref_table,
-        "entries": entries,
-    }
+    return {"walked": walked, "refs": table_from_buffer(gpu, refs, total)}
 
 
 def joined(arrays: list[NDArray], shape: tuple[int, ...], dtype: Any) -> NDArray:

@@ -59,6 +59,8 @@ struct Scene {
     plane_count: u32,
     // whether some object is not clipped
     spared: u32,
+    // cells of all grids; entries follow them in `walked`
+    cell_count: u32,
     instance_count: u32,
     // half the diagonal of the box around everything
     extent: f32,
@@ -73,15 +75,14 @@ struct Scene {
 @group(1) @binding(0) var<uniform> scene: Scene;
 // spheres: (center, radius); rods and cones: two slots; triangles: three (w unused)
 @group(1) @binding(1) var slots: texture_2d<f32>;
-@group(1) @binding(2) var cells: texture_2d<u32>;
-// primitives of the cells of geometries, instances of those of the grid over instances
+// what rays walk through: all cells, then all entries (trace/copy.wgsl)
+@group(1) @binding(2) var walked: texture_2d<u32>;
+// for each entry its primitive, or in the grid over instances its instance
 @group(1) @binding(3) var refs: texture_2d<u32>;
 // two texels an instance
 @group(1) @binding(4) var instances: texture_2d<u32>;
 // OBJECT_TEXELS an object
 @group(1) @binding(5) var objects: texture_2d<u32>;
-// what refs refer to: a sphere (radius negative: last of its cell), or another primitive
-@group(1) @binding(7) var entries: texture_2d<f32>;
 
 const OBJECT_TEXELS: u32 = 5u;
 
@@ -89,12 +90,21 @@ fn slot_at(index: u32) -> vec4f {
     return textureLoad(slots, table_place(index), 0);
 }
 
-fn cell_at(index: u32) -> u32 {
-    return textureLoad(cells, table_place(index), 0).x;
+// A cell (first entry, whether empty) or an entry: a sphere's bits, its radius negative if it is
+// the last of its cell; or another primitive (primitive, whether last, 0, 0).
+fn walked_at(index: u32) -> vec4u {
+    return textureLoad(walked, table_place(index), 0);
 }
 
-fn ref_at(index: u32) -> u32 {
-    return textureLoad(refs, table_place(index), 0).x;
+// The first entry of a cell, or EMPTY_CELL.
+fn cell_at(index: u32) -> u32 {
+    let texel = walked_at(index);
+    return select(texel.x, EMPTY_CELL, texel.y != 0u);
+}
+
+// What an entry refers to.
+fn ref_at(entry: u32) -> u32 {
+    return textureLoad(refs, table_place(entry - scene.cell_count), 0).x;
 }
 
 fn instance_at(index: u32) -> Instance {

@@ -60,12 +60,11 @@ struct Entry {
     last: bool,
 }
 
-fn entry_at(index: u32) -> Entry {
-    let texel = textureLoad(entries, table_place(index), 0);
-    if ((HAS_RODS || HAS_TRIANGLES) && texel.w == 0.0) {
-        return Entry(vec4f(0.0), u32(texel.x) | (u32(texel.y) << 16u), texel.z != 0.0);
+fn entry_of(texel: vec4u) -> Entry {
+    if ((HAS_RODS || HAS_TRIANGLES) && texel.w == 0u) {
+        return Entry(vec4f(0.0), texel.x, texel.y != 0u);
     }
-    return Entry(vec4f(texel.xyz, abs(texel.w)), NO_PRIMITIVE, texel.w < 0.0);
+    return Entry(bitcast<vec4f>(vec4u(texel.xyz, texel.w & 0x7fffffffu)), NO_PRIMITIVE, texel.w >= 0x80000000u);
 }
 
 // Entry and exit of one primitive.
@@ -209,7 +208,8 @@ fn next_axis(walk: Walk) -> vec3<bool> {
 fn walk_on(walk: ptr<function, Walk>) {
     let axis = next_axis(*walk);
     (*walk).t_next += select(vec3f(0.0), (*walk).t_step, axis);
-    (*walk).cell += dot(select(vec3i(0), (*walk).stride, axis), vec3i(1));
+    let stride = select(vec3i(0), (*walk).stride, axis);
+    (*walk).cell += stride.x + stride.y + stride.z;
 }
 
 // Leave the empty cells behind: afterwards the walk stands in a cell with entries, whose first is
@@ -241,7 +241,7 @@ fn nearest_in_geometry(
             break;
         }
         loop {
-            let entry = entry_at(index);
+            let entry = entry_of(walked_at(index));
             consider(ray, entry, index, instance, t_min, kept, best);
             index += 1u;
             if (entry.last) {
@@ -267,19 +267,21 @@ fn any_in_geometry(grid: Grid, ray: Ray, t_min: f32, t_max: f32, kept: Kept) -> 
     }
     var found = false;
     var at_cell = true;
-    var index = 0u;
+    var index = u32(walk.cell);
     loop {
-        let first = cell_at(u32(walk.cell));
-        let entry = entry_at(index);
+        // a cell or an entry: as an entry, a cell is a sphere of no radius, which stops nothing
+        let texel = walked_at(index);
+        let entry = entry_of(texel);
         found = !at_cell & stops(ray, entry, t_min, t_max, kept);
-        let onward = select(entry.last, first == EMPTY_CELL, at_cell);
+        let onward = select(entry.last, texel.y != 0u, at_cell);
         if (found | (onward & (walk_exit(walk) >= walk.t_end))) {
             break;
         }
         let axis = next_axis(walk) & vec3<bool>(onward);
         walk.t_next += select(vec3f(0.0), walk.t_step, axis);
-        walk.cell += dot(select(vec3i(0), walk.stride, axis), vec3i(1));
-        index = select(index + 1u, first, at_cell);
+        let stride = select(vec3i(0), walk.stride, axis);
+        walk.cell += stride.x + stride.y + stride.z;
+        index = select(select(index + 1u, texel.x, at_cell), u32(walk.cell), onward);
         at_cell = onward;
     }
     return found;
