@@ -154,14 +154,14 @@ def _cells(
 ) -> tuple[float, NDArray[np.uint32]]:
     """Cell size and grid dimensions.
 
-    A cell of 1.5 median radii is the measured optimum for space-filling atoms (2.5 Å). Thin sticks
+    Between 1.2 and 2.2 median radii space-filling atoms trace equally fast; the grid's size halves. Thin sticks
     and triangles have more space between than inside them: there the spacing decides.
     """
     size = np.maximum((high - low).astype(np.float64), 1e-6)
     size = np.maximum(size, size.max() * 1e-3)
     count = max(1, len(geometry))
     spacing = float(np.cbrt(np.prod(size) / count))
-    cell = max(1.5 * median, 0.5 * spacing) if len(geometry.spheres) else max(median, spacing)
+    cell = max(2.0 * median, 0.5 * spacing) if len(geometry.spheres) else max(median, spacing)
     while True:
         dims = np.maximum(np.ceil(size / cell * 1.0001), 1)
         if np.prod(dims) <= max(limit, 64) and dims.max() <= 1024:

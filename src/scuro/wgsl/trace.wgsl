@@ -7,8 +7,8 @@
 // Rays are in scene space (world minus scene center) with unit directions. Clipping planes bound
 // every ray from the start: culled matter is not hit by any ray.
 
-//#include "ray.wgsl"
-//#include "scene.wgsl"
+//#include "walk.wgsl"
+//#include "entry.wgsl"
 
 struct Hit {
     t: f32,
@@ -52,63 +52,6 @@ fn kept_interval(ray: Ray) -> Kept {
     return kept;
 }
 
-// A primitive as a cell lists it: spheres are copied whole, so that testing one is a single fetch.
-struct Entry {
-    sphere: vec4f,
-    // of other primitives; NO_PRIMITIVE for a sphere
-    primitive: u32,
-    last: bool,
-}
-
-fn entry_of(texel: vec4u) -> Entry {
-    if ((HAS_RODS || HAS_TRIANGLES) && texel.w == 0u) {
-        return Entry(vec4f(0.0), texel.x, texel.y != 0u);
-    }
-    return Entry(bitcast<vec4f>(vec4u(texel.xyz, texel.w & 0x7fffffffu)), NO_PRIMITIVE, texel.w >= 0x80000000u);
-}
-
-// Entry and exit of one primitive.
-fn primitive_span(ray: Ray, primitive: u32) -> Span {
-    let slot = slot_of(primitive);
-    let a = slot_at(slot);
-    let kind = kind_of(primitive);
-    if (HAS_RODS && kind == ROD) {
-        let b = slot_at(slot + 1u);
-        return cylinder_span(ray, a.xyz, b.xyz, a.w);
-    }
-    if (HAS_RODS && kind == CONE) {
-        let b = slot_at(slot + 1u);
-        return cone_span(ray, a.xyz, b.xyz, a.w, b.w);
-    }
-    if (HAS_TRIANGLES && kind == TRIANGLE) {
-        let t = triangle_hit(ray, a.xyz, slot_at(slot + 1u).xyz, slot_at(slot + 2u).xyz).x;
-        return Span(t, t);
-    }
-    return sphere_span(ray, a.xyz, a.w);
-}
-
-fn entry_span(ray: Ray, entry: Entry) -> Span {
-    var span = sphere_span(ray, entry.sphere.xyz, entry.sphere.w);
-    if ((HAS_RODS || HAS_TRIANGLES) && entry.primitive != NO_PRIMITIVE) {
-        span = primitive_span(ray, entry.primitive);
-    }
-    return span;
-}
-
-// How deep p lies in a solid: 0 on its axis or center, 1 on its surface.
-fn entry_depth(p: vec3f, entry: Entry) -> f32 {
-    var center = entry.sphere;
-    if (HAS_RODS && entry.primitive != NO_PRIMITIVE) {
-        let slot = slot_of(entry.primitive);
-        let a = slot_at(slot);
-        let b = slot_at(slot + 1u);
-        let axis = b.xyz - a.xyz;
-        let h = saturate(dot(p - a.xyz, axis) / dot(axis, axis));
-        center = mix(a, b, h);
-    }
-    return distance(p, center.xyz) / center.w;
-}
-
 // Take an entry's hit if it is nearer than the best so far; `primitive` is its index meanwhile.
 fn consider(
     ray: Ray, entry: Entry, index: u32, instance: u32, t_min: f32, kept: Kept,
@@ -143,88 +86,6 @@ fn stops(ray: Ray, entry: Entry, t_min: f32, t_max: f32, kept: Kept) -> bool {
             & (capped | (span.near >= max(t_min, kept.near)));
     }
     return (span.near >= t_min) & (span.near < t_max);
-}
-
-// One over each component; a zero becomes huge, so that no NaN arises in slab tests.
-fn safe_inverse(d: vec3f) -> vec3f {
-    let tiny = vec3f(1e-20);
-    return 1.0 / select(d, select(-tiny, tiny, d >= vec3f(0.0)), abs(d) < tiny);
-}
-
-// State of a 3-D digital differential analyser in one grid.
-struct Walk {
-    cell: i32,
-    stride: vec3i,
-    t_next: vec3f,
-    t_step: vec3f,
-    t_end: f32,
-}
-
-// Start where the ray enters the grid's box within [t_min, t_max]; t_end < 0 ... no cell at all.
-fn walk_start(grid: Grid, ray: Ray, t_min: f32, t_max: f32) -> Walk {
-    let inverse = safe_inverse(ray.direction);
-    let size = vec3f(grid.dims) * grid.cell;
-    let to_low = (grid.origin - ray.origin) * inverse;
-    let to_high = (grid.origin + size - ray.origin) * inverse;
-    let enter = min(to_low, to_high);
-    let leave = max(to_low, to_high);
-    let t0 = max(max(enter.x, enter.y), max(enter.z, t_min));
-    let t1 = min(min(leave.x, leave.y), min(leave.z, t_max));
-    var walk: Walk;
-    walk.t_end = -NOTHING;
-    if (t0 > t1) {
-        return walk;
-    }
-    let place = (ray.origin + t0 * ray.direction - grid.origin) / grid.cell;
-    let last = vec3i(grid.dims) - 1;
-    let cell = clamp(vec3i(floor(place)), vec3i(0), last);
-    let forward = ray.direction >= vec3f(0.0);
-    let edge = grid.origin + vec3f(cell + select(vec3i(0), vec3i(1), forward)) * grid.cell;
-    let row = i32(grid.dims.x);
-    let layer = row * i32(grid.dims.y);
-    walk.cell = i32(grid.cells) + cell.x + row * cell.y + layer * cell.z;
-    walk.stride = select(vec3i(-1, -row, -layer), vec3i(1, row, layer), forward);
-    walk.t_next = (edge - ray.origin) * inverse;
-    walk.t_step = abs(grid.cell * inverse);
-    // a sliver less: crossings are sums of steps, and must not round to one more step out of the grid
-    walk.t_end = t1 - 1e-3 * grid.cell;
-    return walk;
-}
-
-// Where the ray leaves the cell.
-fn walk_exit(walk: Walk) -> f32 {
-    return min(walk.t_next.x, min(walk.t_next.y, walk.t_next.z));
-}
-
-// The axis along which the next cell lies.
-fn next_axis(walk: Walk) -> vec3<bool> {
-    let t = walk.t_next;
-    let x = (t.x <= t.y) & (t.x <= t.z);
-    let y = !x & (t.y <= t.z);
-    return vec3<bool>(x, y, !(x | y));
-}
-
-// Go on to the next cell along the ray.
-fn walk_on(walk: ptr<function, Walk>) {
-    let axis = next_axis(*walk);
-    (*walk).t_next += select(vec3f(0.0), (*walk).t_step, axis);
-    let stride = select(vec3i(0), (*walk).stride, axis);
-    (*walk).cell += stride.x + stride.y + stride.z;
-}
-
-// Leave the empty cells behind: afterwards the walk stands in a cell with entries, whose first is
-// returned, or there is none and EMPTY_CELL is. A loop of its own, because adapters that run lanes
-// in lockstep pay in every iteration for all that the loop may do.
-fn next_entries(walk: ptr<function, Walk>) -> u32 {
-    var first = cell_at(u32((*walk).cell));
-    loop {
-        if (first != EMPTY_CELL || walk_exit(*walk) >= (*walk).t_end) {
-            break;
-        }
-        walk_on(walk);
-        first = cell_at(u32((*walk).cell));
-    }
-    return first;
 }
 
 // The nearest hit within one instance, in its local frame.
