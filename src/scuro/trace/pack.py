@@ -154,8 +154,9 @@ def _cells(
 ) -> tuple[float, NDArray[np.uint32]]:
     """Cell size and grid dimensions.
 
-    Between 1.2 and 2.2 median radii space-filling atoms trace equally fast; the grid's size halves. Thin sticks
-    and triangles have more space between than inside them: there the spacing decides.
+    Space-filling atoms trace equally fast between 1.2 and 2.2 median radii, while the grid's size
+    halves. Thin sticks and triangles have more space between than inside them: there the spacing
+    decides.
     """
     size = np.maximum((high - low).astype(np.float64), 1e-6)
     size = np.maximum(size, size.max() * 1e-3)
