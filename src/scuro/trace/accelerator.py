@@ -210,7 +210,6 @@ def build_accelerator(
             "top": {name: top[name] for name in GRID.names or ()},
             "rotation": instances[0]["rotation"] if len(instances) else (0, 0, 0, 1),
             "center": instances[0]["center"] if len(instances) else (0, 0, 0),
-            "cell_count": cell_count,
             "instance_count": sum(len(b.positions) for b in bodies),
             "extent": extent,
             "primitive_radius": primitive_radius,

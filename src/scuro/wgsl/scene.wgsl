@@ -59,8 +59,6 @@ struct Scene {
     plane_count: u32,
     // whether some object is not clipped
     spared: u32,
-    // cells of all grids; entries follow them in `walked`
-    cell_count: u32,
     instance_count: u32,
     // half the diagonal of the box around everything
     extent: f32,
@@ -104,7 +102,7 @@ fn cell_at(index: u32) -> u32 {
 
 // What an entry refers to.
 fn ref_at(entry: u32) -> u32 {
-    return textureLoad(refs, table_place(entry - scene.cell_count), 0).x;
+    return textureLoad(refs, table_place(entry), 0).x;
 }
 
 fn instance_at(index: u32) -> Instance {

@@ -7,7 +7,7 @@
 // Rays are in scene space (world minus scene center) with unit directions. Clipping planes bound
 // every ray from the start: culled matter is not hit by any ray.
 
-//#include "walk.wgsl"
+//#include "dda.wgsl"
 //#include "entry.wgsl"
 
 struct Hit {
@@ -138,11 +138,7 @@ fn any_in_geometry(grid: Grid, ray: Ray, t_min: f32, t_max: f32, kept: Kept) -> 
         if (found | (onward & (walk_exit(walk) >= walk.t_end))) {
             break;
         }
-        let axis = next_axis(walk) & vec3<bool>(onward);
-        walk.t_next += select(vec3f(0.0), walk.t_step, axis);
-        let stride = select(vec3i(0), walk.stride, axis);
-        walk.cell += stride.x + stride.y + stride.z;
-        index = select(select(index + 1u, texel.x, at_cell), u32(walk.cell), onward);
+        index = walk_flat(&walk, texel, index, at_cell, onward);
         at_cell = onward;
     }
     return found;

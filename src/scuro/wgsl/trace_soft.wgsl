@@ -48,19 +48,16 @@ fn least_in_geometry(view: Local, t_max: f32, penumbra: Penumbra, least: f32) ->
     }
     var found = least;
     var at_cell = true;
-    var index = 0u;
+    var index = u32(walk.cell);
     loop {
-        let entries_at = cell_at(u32(walk.cell));
-        let entry = entry_at(index);
+        let texel = walked_at(index);
+        let entry = entry_of(texel);
         found = min(found, select(left_by(view.ray, entry, first, last, penumbra), 1.0, at_cell));
-        let onward = select(entry.last, entries_at == EMPTY_CELL, at_cell);
+        let onward = select(entry.last, texel.y != 0u, at_cell);
         if ((found <= 0.0) | (onward & (walk_exit(walk) >= walk.t_end))) {
             break;
         }
-        let axis = next_axis(walk) & vec3<bool>(onward);
-        walk.t_next += select(vec3f(0.0), walk.t_step, axis);
-        walk.cell += dot(select(vec3i(0), walk.stride, axis), vec3i(1));
-        index = select(index + 1u, entries_at, at_cell);
+        index = walk_flat(&walk, texel, index, at_cell, onward);
         at_cell = onward;
     }
     return found;

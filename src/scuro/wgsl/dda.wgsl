@@ -70,6 +70,19 @@ fn walk_on(walk: ptr<function, Walk>) {
     (*walk).cell += stride.x + stride.y + stride.z;
 }
 
+// Where a flat walk goes next: to the next cell if `onward`, else from a cell to its first entry or
+// from an entry to the one after it. One loop of such steps, without branches, keeps the lanes of a
+// group from waiting for each other at the end of each cell.
+fn walk_flat(
+    walk: ptr<function, Walk>, texel: vec4u, index: u32, at_cell: bool, onward: bool,
+) -> u32 {
+    let axis = next_axis(*walk) & vec3<bool>(onward);
+    (*walk).t_next += select(vec3f(0.0), (*walk).t_step, axis);
+    let stride = select(vec3i(0), (*walk).stride, axis);
+    (*walk).cell += stride.x + stride.y + stride.z;
+    return select(select(index + 1u, texel.x, at_cell), u32((*walk).cell), onward);
+}
+
 // Leave the empty cells behind: afterwards the walk stands in a cell with entries, whose first is
 // returned, or there is none and EMPTY_CELL is. A loop of its own, because adapters that run lanes
 // in lockstep pay in every iteration for all that the loop may do.
