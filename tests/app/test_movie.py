@@ -1,0 +1,160 @@
+"""``scuro movie``: what comes out, and what is left when it is broken off."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from scuro.app.cli import INTERRUPTED, run
+from scuro.errors import SaveError, SettingsError
+from scuro.export import files
+from scuro.export.motion import Motion, MovieSettings, between, blended
+from scuro.export.movie import Film
+from scuro.export.scene_file import Input, SceneFile
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.scene.camera import Camera
+
+SMALL = ("--size", "48x36", "--style", "spacefill")
+
+
+def pages(path) -> list[np.ndarray]:
+    with Image.open(path) as gif:
+        found = []
+        for number in range(gif.n_frames):
+            gif.seek(number)
+            found.append(np.asarray(gif.convert("RGB")))
+        return found
+
+
+def test_a_gif_turns_loops_and_leaves_no_frames_behind(tmp_path):
+    film = tmp_path / "turn.gif"
+    assert run(["movie", "sample:1hpv", *SMALL, "--length", "4", "-o", str(film)]) == 0
+    found = pages(film)
+    assert len(found) == 4 and all((a != found[0]).any() for a in found[1:])
+    with Image.open(film) as gif:
+        assert gif.info["loop"] == 0
+    assert [p.name for p in tmp_path.iterdir()] == ["turn.gif"]
+
+
+@pytest.mark.parametrize("ending", ["mp4", "webm"])
+def test_videos_have_their_frames_and_size(tmp_path, ending):
+    ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    film = tmp_path / f"turn.{ending}"
+    assert run(["movie", "sample:1hpv", "--size", "49x37", "--length", "3", "-o", str(film)]) == 0
+    reader = ffmpeg.read_frames(str(film))
+    assert next(reader)["size"] == (50, 38)  # padded to even
+    assert len(list(reader)) == 3
+
+
+def test_a_broken_off_film_goes_on_and_comes_out_the_same(tmp_path, monkeypatch, capsys):
+    arguments = ["movie", "sample:1hpv", *SMALL, "--length", "4", "-o"]
+    whole, broken = tmp_path / "whole.gif", tmp_path / "broken.gif"
+    assert run([*arguments, str(whole)]) == 0
+    draw, drawn = Renderer.render, []
+
+    def interrupted(self, *rest):
+        if len(drawn) == 2:
+            raise KeyboardInterrupt
+        drawn.append(1)
+        return draw(self, *rest)
+
+    monkeypatch.setattr(Renderer, "render", interrupted)
+    assert run([*arguments, str(broken)]) == INTERRUPTED
+    assert "2 of 4 frames" in capsys.readouterr().err and not broken.exists()
+    monkeypatch.setattr(Renderer, "render", draw)
+    assert run([*arguments, str(broken), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["drawn"] == 2
+    assert broken.read_bytes() == whole.read_bytes()
+
+
+def test_frames_of_another_film_are_not_taken(tmp_path, capsys):
+    folder = str(tmp_path / "frames")
+    common = ["movie", "sample:1hpv", "--size", "48x36", "--length", "2", "--json", "-o", folder]
+    assert run(common) == 0
+    assert run([*common, "--color", "chain"]) == 0
+    out = capsys.readouterr().out
+    assert out.count('"drawn": 2') == 2
+    names = sorted(p.name for p in (tmp_path / "frames").iterdir())
+    assert names == ["000000.png", "000001.png"]
+
+
+def test_a_full_disk_keeps_finished_frames(tmp_path, monkeypatch):
+    document = SceneFile((Input(path="sample:1hpv"),), settings=Settings(size=(32, 24)))
+    film = Film(tmp_path / "a.gif", Motion(document, MovieSettings(length=3)), {})
+    frames = film.draw(Renderer())
+    assert next(frames) == 0
+
+    def full(handle):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(files.os, "fsync", full)
+    with pytest.raises(SaveError, match="No space left"):
+        next(frames)
+    monkeypatch.undo()
+    assert film.missing == [1, 2]
+    assert not (tmp_path / "a.gif").exists()
+    assert len(list(film.folder.glob("*.png"))) == 1
+
+
+def test_an_unknown_format_a_sweep_without_planes_and_one_model_are_refused(tmp_path, capsys):
+    def said(*arguments: str) -> str:
+        assert run(["movie", "sample:1hpv", *arguments]) == 2
+        return capsys.readouterr().err
+
+    assert "film format '.avi'" in said("-o", str(tmp_path / "a.avi"))
+    assert "--clip" in said("--sweep", "5", "-o", str(tmp_path / "a.gif"))
+    assert "one model only" in said("--play", "-o", str(tmp_path / "a.gif"))
+    assert "unknown look" in said("--to-look", "goodsel", "-o", str(tmp_path / "a.gif"))
+    assert not list(tmp_path.iterdir())
+
+
+def test_key_frames_are_passed_at_their_seconds(tmp_path):
+    keys = tmp_path / "keys.toml"
+    keys.write_text("[[key]]\nat = 0\n[[key]]\nat = 1.0\nazimuth = 90\nzoom = 2\nease = 'linear'\n")
+    document = SceneFile((Input(path="sample:1hpv"),))
+    motion = Motion(document, MovieSettings(keys=str(keys), fps=10.0))
+    assert motion.length == 11
+    start, middle, end = (motion.at(n).camera for n in (0, 5, 10))
+
+    def side(camera: Camera) -> np.ndarray:
+        return camera.view_from_world()[2, :3]
+
+    assert side(start) @ side(end) == pytest.approx(0, abs=1e-6)
+    assert side(start) @ side(middle) == pytest.approx(np.cos(np.pi / 4), abs=1e-6)
+    assert end.fov < start.fov
+
+
+def test_a_key_frames_fault_is_named_with_its_line(tmp_path, capsys):
+    keys = tmp_path / "keys.toml"
+    keys.write_text("[[key]]\nat = 0\n[[key]]\nat = 1\nzom = 2\n")
+    arguments = ["movie", "sample:1hpv", "--keys", str(keys), "-o", str(tmp_path / "a.gif")]
+    assert run(arguments) == 1
+    said = capsys.readouterr().err
+    assert "keys.toml, line 3" in said and "'zoom'" in said
+
+
+def test_halfway_between_cameras_and_settings():
+    a, b = Camera((0, 0, 10)), Camera((10, 0, 0))
+    assert between(a, b, 0.5).distance == pytest.approx(10)
+    assert between(a, b, 0.0).position == pytest.approx(a.position)
+    first, second = Settings(), Settings().replace(fog__strength=1.0, antialias__method="2x")
+    half = blended(first, second, 0.25)
+    assert half.fog.strength == 0.25 and half.antialias.method == "none"
+    assert blended(first, second, 1.0) == second
+
+
+def test_models_play_in_order(shared):
+    md = shared / "molecules" / "md"
+    document = SceneFile((Input(path=str(md / "adk.psf.gz")),))
+    document = SceneFile(document.input, load=document.load.replace(
+        trajectory=str(md / "adk_dims.dcd")))  # fmt: skip
+    motion = Motion(document, MovieSettings(play=True, motion="none"))
+    first = motion.at(0).scene.molecules[0].molecule.positions
+    last = motion.at(motion.length - 1).scene.molecules[0].molecule.positions
+    assert motion.length > 50 and np.abs(first - last).max() > 5
+    with pytest.raises(SettingsError, match="one model"):
+        Motion(SceneFile((Input(path="sample:1hpv"),)), MovieSettings(play=True))
