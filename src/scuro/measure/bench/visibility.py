@@ -56,11 +56,11 @@ def scenes(options: BenchOptions) -> Any:
             yield name, Scene().add(load(name)).show("spacefill")
         return
     for count in _SIZES:
-        yield f"droplet {count:,}", _droplets(count, 1)
-    yield f"{_CAPSID} × droplet {_CAPSID_ATOMS:,}", _droplets(_CAPSID_ATOMS, _CAPSID)
+        yield f"droplet {count:,}", droplets(count, 1)
+    yield f"{_CAPSID} × droplet {_CAPSID_ATOMS:,}", droplets(_CAPSID_ATOMS, _CAPSID)
 
 
-def _droplets(atoms: int, copies: int) -> Scene:
+def droplets(atoms: int, copies: int) -> Scene:
     """A ball of spheres at protein density, ``copies`` of it around a larger sphere."""
     rng = np.random.default_rng(atoms)
     radius = (3 * atoms / (4 * np.pi * _DENSITY)) ** (1 / 3)

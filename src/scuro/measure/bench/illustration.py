@@ -1,0 +1,109 @@
+"""Illustration: what post passes, supersampling, a large print and a film cost.
+
+Four tables in one: the post passes of the qutemol look and each by itself against the plain frame,
+supersampling 2× against one frame, a 4096 × 4096 print in parts with its peak memory, and a
+turntable of 120 frames with the size of its GIF.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from scuro.export.motion import Motion, MovieSettings
+from scuro.export.movie import Film
+from scuro.export.parts import save_in_parts
+from scuro.export.scene_file import Input, SceneFile, Show
+from scuro.measure.bench import BenchOptions, median_seconds
+from scuro.measure.bench.visibility import droplets
+from scuro.measure.memory import peak_memory_mb
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.scene.scene import Scene
+from scuro.scene.view import ViewSettings, view_camera
+
+_SAMPLE = "sample:1tii"
+_PRINT_ATOMS = 60_000
+_POST: dict[str, dict[str, Any]] = {
+    "borders": {"borders__width": 1.6},
+    "halos": {"halos__width": 10.0},
+    "fog": {"fog__strength": 0.5},
+    "toon": {"toon__steps": 4},
+    "fxaa": {"antialias__method": "fxaa"},
+}
+
+
+def run(options: BenchOptions) -> dict[str, Any]:
+    """Measure; see the module. An input replaces the sample of frames and film."""
+    renderer = Renderer(options.device)
+    name = options.inputs[0] if options.inputs else _SAMPLE
+    rows = _frames(renderer, name, options)
+    options.say("the print")
+    rows.append(_print(renderer))
+    options.say("the film")
+    rows.append(_film(renderer, name))
+    return {
+        "adapter": str(renderer.gpu.info), "size": list(options.size), "input": name, "rows": rows
+    }  # fmt: skip
+
+
+def _row(what: str, seconds: float, ratio: float, **more: Any) -> dict[str, Any]:
+    row = {"what": what, "seconds": round(seconds, 4), "of_plain": round(ratio, 3)}
+    return {**row, "peak_memory_mb": "", "file_mb": "", **more}
+
+
+def _frames(renderer: Renderer, name: str, options: BenchOptions) -> list[dict[str, Any]]:
+    document = SceneFile((Input(path=name),), (Show(style="spacefill"),))
+    scene = document.scene()
+    camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
+    base = Settings(size=options.size).replace(lighting__preset="simple")
+    together = {key: value for changes in _POST.values() for key, value in changes.items()}
+    variants = {"plain": {}, **_POST, "all post passes": together,
+                "depth of field": {"depth_of_field__blur": 6.0},
+                "supersampling 2x": {"antialias__method": "2x"}}  # fmt: skip
+    rows: list[dict[str, Any]] = []
+    plain = 0.0
+    for what, changes in variants.items():
+        options.say(what)
+        settings = base.replace(**changes)
+
+        def draw(settings: Settings = settings) -> None:
+            for _ in renderer.frames(scene, camera, settings):
+                renderer.gpu.finish()
+
+        seconds = median_seconds(draw, options.frames)
+        plain = plain or seconds
+        rows.append(_row(what, seconds, seconds / plain))
+    return rows
+
+
+def _print(renderer: Renderer) -> dict[str, Any]:
+    scene: Scene = droplets(_PRINT_ATOMS, 1)
+    settings = Settings(size=(4096, 4096)).replace(
+        occlusion__technique="hybrid", borders__width=6.0, halos__width=40.0
+    )
+    camera = view_camera(scene, ViewSettings(), 1.0)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "print.png"
+        start = time.perf_counter()
+        save_in_parts(path, renderer, scene, camera, settings)
+        seconds = time.perf_counter() - start
+        size = path.stat().st_size
+    return _row("print 4096x4096, 60,000 atoms", seconds, 0.0,
+                peak_memory_mb=peak_memory_mb(), file_mb=round(size / 1e6, 2))  # fmt: skip
+
+
+def _film(renderer: Renderer, name: str) -> dict[str, Any]:
+    document = SceneFile((Input(path=name),), settings=Settings(size=(640, 360)))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "turntable.gif"
+        start = time.perf_counter()
+        film = Film(path, Motion(document, MovieSettings(length=120)), {})
+        for _ in film.draw(renderer):
+            pass
+        film.join()
+        seconds = time.perf_counter() - start
+        size = path.stat().st_size
+    return _row("turntable, 120 frames of 640x360", seconds, 0.0, file_mb=round(size / 1e6, 2))
