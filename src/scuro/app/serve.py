@@ -31,6 +31,7 @@ def command(
     from scuro.render import Renderer
     from scuro.viewer.access import Access, Files
     from scuro.viewer.model import Model
+    from scuro.viewer.probing import stream_handler
     from scuro.viewer.screen import Screen
     from scuro.viewer.server import Server, need_web, run
 
@@ -54,4 +55,4 @@ def command(
                 err=True,
             )
 
-    run(Server(make_screen, access, clients), host, port, ready)
+    run(Server(make_screen, access, clients, {"/probe": stream_handler(model)}), host, port, ready)

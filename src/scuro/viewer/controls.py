@@ -12,6 +12,7 @@ from typing import Any
 
 from scuro.viewer import navigate
 from scuro.viewer.handles import Handles
+from scuro.viewer.probing import Probing
 from scuro.viewer.view import View
 
 KEYS = {
@@ -38,9 +39,10 @@ LEFT, RIGHT, MIDDLE = 1, 2, 3
 class Controls:
     """One pointer and keyboard on one view. Positions are in logical pixels."""
 
-    def __init__(self, view: View, handles: Handles) -> None:
+    def __init__(self, view: View, handles: Handles, probing: Probing | None = None) -> None:
         self.view = view
         self.handles = handles
+        self._holders = [h for h in (probing, handles) if h is not None]
         self.logical = (1.0, 1.0)
         """Width and height of the picture in the events' pixels."""
         self.pointer: tuple[float, float] | None = None
@@ -69,8 +71,9 @@ class Controls:
         point = (event["x"], event["y"])
         self._start = self.pointer = point
         modifiers, button = event.get("modifiers", ()), event["button"]
-        if button == LEFT and self.handles.press(point, self.logical):
-            self._drag = lambda last, now: self.handles.drag(last, now, self.logical)
+        held = [h for h in self._holders if button == LEFT and h.press(point, self.logical)]
+        if held:
+            self._drag = lambda last, now: held[0].drag(last, now, self.logical)
         elif button in (RIGHT, MIDDLE) or (button == LEFT and "Control" in modifiers):
             self._depth = self.view.depth(*self._relative(point))
             self._drag = self._pan
@@ -85,7 +88,7 @@ class Controls:
     def _up(self, event: dict[str, Any]) -> None:
         point, start = (event["x"], event["y"]), self._start
         dragged, self._drag, self._start = self._drag, None, None
-        held = self.handles.release()
+        held = any([holder.release() for holder in self._holders])
         self.view.model.history.end_gesture()
         if start is None or dragged is None or held or event["button"] != LEFT:
             return

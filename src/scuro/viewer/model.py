@@ -17,7 +17,10 @@ from scuro.export.scene_file import (
     read_scene_file,
     write_scene_file,
 )
+from scuro.passes.compose.lighting import PRESETS
+from scuro.probe.probe import Probe
 from scuro.render_settings import Settings
+from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip
 from scuro.scene.scene import Scene
 from scuro.settings import parameters
@@ -50,6 +53,9 @@ class Model:
             document = replace(document, show=_shows(self.scene) or (Show(),))
         self.history = History(State(document, self.scene.clip))
         self._input = document.input, document.load
+        self._lighting = self.scene.lighting
+        self.probe: Probe | None = None
+        """The probe that all views share."""
         self._watchers: weakref.WeakSet[Any] = weakref.WeakSet()
         self.message = ""
         """The last error's sentence, for people."""
@@ -121,20 +127,43 @@ class Model:
                 self.scene = document.scene()
             else:
                 document.show_in(self.scene)
-            self.scene.clip = state.clip
+            self._lighting = self.scene.lighting
             self.scene.bodies()  # a style or colour may turn out to be wrong only now
         except ScuroError as error:
             self.scene = before
             self.document.show_in(self.scene)
-            self.scene.clip = self.clip
             self.message = str(error)
             return False
+        if self.scene is not before:
+            self.probe = None  # it was among other atoms
         self._input = document.input, document.load
         self.message = ""
         commit()
+        self._tell()
+        return True
+
+    def _tell(self) -> None:
         for watcher in list(self._watchers):
             watcher.scene_changed()
-        return True
+
+    def set_probe(self, probe: Probe | None) -> None:
+        """Put a probe into the scene, or take it away."""
+        self.probe = probe
+        self.message = ""
+        self._tell()
+
+    def probe_moved(self) -> None:
+        """The probe is elsewhere: views draw anew."""
+        self._tell()
+
+    def dressed(self, camera: Camera) -> Scene:
+        """The scene as a view draws it: with its clipping, and the probe's light and plane."""
+        scene, probe = self.scene, self.probe
+        scene.lighting, scene.clip = self._lighting, self.clip
+        if probe is not None:
+            scene.lighting = probe.lit(self._lighting or PRESETS[self.settings.lighting.preset])
+            scene.clip = probe.clipped(self.clip, camera)
+        return scene
 
     def save(self, path: str | Path, document: SceneFile | None = None) -> None:
         """Write a scene file.

@@ -17,6 +17,7 @@ from scuro.viewer.handles import Handles
 from scuro.viewer.labels import Label
 from scuro.viewer.overlay import selection_labels
 from scuro.viewer.pick import sentence
+from scuro.viewer.probing import Probing
 from scuro.viewer.view import View
 
 WIDTH = 330.0
@@ -30,6 +31,7 @@ class Panel:
     Args:
         view: The view it sets.
         handles: Of its clipping planes.
+        probing: Its hand on the probe.
         deliver: Where pictures and scene files go; see :class:`scuro.viewer.screen.Screen`.
         listing: Files to offer for opening.
     """
@@ -38,11 +40,13 @@ class Panel:
         self,
         view: View,
         handles: Handles,
+        probing: Probing,
         deliver: Callable[[str, Callable[[Path], None]], str],
         listing: Callable[[], list[str]],
     ) -> None:
         self.view = view
         self.handles = handles
+        self._probing = probing
         self._deliver = deliver
         self._listing = listing
         self._listed: list[str] | None = None
@@ -55,17 +59,18 @@ class Panel:
     @property
     def wait(self) -> float | None:
         """Seconds until the panel changes something by itself."""
-        return None
+        return self._probing.wait
 
     def tick(self) -> None:
         """Do what time brings."""
+        self._probing.tick()
 
     def key(self, key: str) -> bool:
         """Take a key, if it is the panel's."""
         if key == "Tab":
             self.open = not self.open
             return True
-        return False
+        return self._probing.key(key)
 
     def labels(self) -> list[Label]:
         """Names to show in the picture."""
@@ -90,6 +95,7 @@ class Panel:
             self._settings()
             self._lights()
             self._clip()
+            self._probing.panel(self._group, self._save)
             self._selection()
             self._help()
             imgui.pop_item_width()
@@ -138,7 +144,9 @@ class Panel:
 
         def write(path: Path) -> None:
             document = view.document()
-            image = view.renderer.render(view.model.scene, view.camera, view.full_settings)
+            image = view.renderer.render(
+                view.model.dressed(view.camera), view.camera, view.full_settings
+            )
             image.save(path, settings=document.as_dict())
 
         self._save("scuro.png", write)

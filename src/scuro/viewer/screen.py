@@ -15,6 +15,7 @@ from scuro.viewer.model import Model
 from scuro.viewer.overlay import draw_overlay
 from scuro.viewer.panel import WIDTH as PANEL_WIDTH
 from scuro.viewer.panel import Panel
+from scuro.viewer.probing import Probing
 from scuro.viewer.view import View
 
 _MOST_OUTLINED = 32
@@ -48,9 +49,10 @@ class Screen:
         self.gpu = renderer.gpu
         self.view = View(model, renderer.sibling(), (64, 48))
         self.handles = Handles(self.view)
-        self.controls = Controls(self.view, self.handles)
+        self.probing = Probing(self.view)
+        self.controls = Controls(self.view, self.handles, self.probing)
         self.gui = Gui(self.gpu, format)
-        self.panel = Panel(self.view, self.handles, deliver, listing)
+        self.panel = Panel(self.view, self.handles, self.probing, deliver, listing)
         self.controls.key_hook = self.panel.key
         self.logical = (64.0, 48.0)
         self.ratio = 1.0
@@ -117,6 +119,7 @@ class Screen:
     def _interface(self) -> None:
         picture = self.controls.logical
         draw_overlay(self.view, self.handles, picture, self.panel.labels(), self._hover)
+        self.probing.draw(picture)
         self.panel.draw(self.logical)
 
     def _look(self) -> None:

@@ -152,7 +152,7 @@ class View:
         if self.pacing.plain:
             settings = plain(settings)
         settings = settings.replace(size=moving_size(self.size, self.pacing.scale))
-        for drawn in self.drawing.draw(self.model.scene, self.camera, settings):
+        for drawn in self.drawing.draw(self.model.dressed(self.camera), self.camera, settings):
             if isinstance(drawn, Drawn):
                 self.drawn = drawn
         self.pacing.measured(self.drawing.seconds)
@@ -167,7 +167,10 @@ class View:
             settings = self._step.settings
             # the path tracer's sums are those of the whole picture, and its steps are short
             slices = settings.renderer != "path"
-            self._slices = self.drawing.draw(self.model.scene, self.camera, settings, slices)
+            self._slices = self.drawing.draw(
+                self.model.dressed(self.camera), self.camera, settings, slices
+            )
+        self.model.dressed(self.camera)  # another view may have drawn since
         made = next(self._slices)
         if isinstance(made, Drawn):
             self.drawn, self.share, self._step = made, self._step.share, None

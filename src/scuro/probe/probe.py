@@ -1,0 +1,183 @@
+"""The probe of a scene: its place, the force on the hand, its light, its clip plane, its path."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scuro.errors import LoadError, SettingsError
+from scuro.export.files import replacing
+from scuro.scene.camera import Camera
+from scuro.scene.clip import Clip, Plane
+from scuro.scene.geometry import rotation_matrices
+from scuro.scene.lights import POINT, Light, Lighting
+from scuro.scene.scene import MoleculeItem, Scene
+from scuro.settings import SettingsGroup, setting
+from scuro.style.radii import atom_radii
+from scuro.style.selection import select
+
+MOST_ATOMS = 5_000_000
+"""Placed atoms beyond which the grid would not fit."""
+_RECORD_STEP = 0.05
+"""Å between recorded places."""
+
+
+class ProbeSettings(SettingsGroup):
+    """The probe sphere."""
+
+    radius: float = setting(1.4, "its radius; a water's is 1.4", low=0.0, high=20, unit="Å")
+    select: str = setting("not solvent", "which atoms it cannot enter, in PyMOL's words")
+    stiffness: float = setting(
+        1.0, "force for each Å that the hand is inside", low=0, high=1000, unit="pN/Å"
+    )
+    light: bool = setting(True, "a point light at the probe's centre; it casts shadows")
+    brightness: float = setting(1.0, "strength of its light", low=0, high=20)
+    reach: float = setting(25.0, "how far its light goes", low=0.1, high=1000, unit="Å")
+    clip: bool = setting(False, "cut away what lies between the eye and the probe")
+    margin: float = setting(0.5, "gap between the probe and that plane", low=0, high=50, unit="Å")
+
+
+class Probe:
+    """A probe among the atoms of a scene.
+
+    Args:
+        scene: Whose molecules it touches, assemblies' copies included.
+        settings: Its size and manners.
+        start: Where to begin; moved out of the atoms if it must be.
+
+    Raises:
+        SettingsError: There are no atoms, or too many.
+    """
+
+    def __init__(self, scene: Scene, settings: ProbeSettings, start: ArrayLike) -> None:
+        from scuro.probe.solver import Constraint
+
+        centers, radii = placed_atoms(scene, settings.select)
+        self.settings = settings
+        self.constraint = Constraint(centers, radii, settings.radius)
+        self.position = self.constraint.freed(start)
+        self.target = self.position.copy()
+        self.path: list[list[float]] = []
+        self.recording = False
+
+    def move(self, target: ArrayLike) -> None:
+        """Follow the hand to a target, world Å."""
+        self.target = np.array(target, np.float64)
+        self.position = self.constraint.moved(self.position, self.target)
+        if self.recording:
+            self._record()
+
+    def rest(self) -> None:
+        """The hand lets go: its place is the probe's."""
+        self.target = self.position.copy()
+
+    @property
+    def force(self) -> NDArray[np.float64]:
+        """(3,) on the hand: stiffness times the way from it back to the probe."""
+        return self.settings.stiffness * (self.position - self.target)
+
+    def state(self) -> dict[str, Any]:
+        """For other programs: position (Å), force, and whether it touches anything."""
+        force = self.force
+        return {
+            "position": self.position.tolist(),
+            "target": self.target.tolist(),
+            "force": force.tolist(),
+            "contact": bool(np.linalg.norm(self.position - self.target) > 1e-6),
+        }
+
+    def _record(self) -> None:
+        place = self.position.tolist()
+        if not self.path or np.linalg.norm(np.subtract(place, self.path[-1])) >= _RECORD_STEP:
+            self.path.append(place)
+
+    def save_path(self, path: str | Path) -> None:
+        """Write the recorded path as JSON.
+
+        Raises:
+            SaveError: It cannot be written.
+        """
+        values = {"unit": "Å", "radius": self.settings.radius, "points": self.path}
+        with replacing(path) as file:
+            file.write(json.dumps(values).encode())
+
+    # --- what it does to a scene ---------------------------------------------------------------
+
+    def lit(self, lighting: Lighting) -> Lighting:
+        """The lighting with the probe's light."""
+        if not self.settings.light:
+            return lighting
+        x, y, z = self.position.tolist()
+        light = Light(
+            kind=POINT,
+            position=(x, y, z),
+            intensity=self.settings.brightness,
+            reach=self.settings.reach,
+            relative_to="world",
+            name="probe",
+        )
+        return replace(lighting, lights=(*lighting.lights, light))
+
+    def clipped(self, clip: Clip, camera: Camera) -> Clip:
+        """The clipping with a plane in front of the probe, as seen by a camera."""
+        if not self.settings.clip:
+            return clip
+        forward = -camera.view_from_world()[2, :3]
+        point = self.position - forward * (self.settings.radius + self.settings.margin)
+        plane = Plane(tuple(point.tolist()), tuple(forward.tolist()))
+        return Clip((*clip.planes, plane))
+
+
+def placed_atoms(scene: Scene, selection: str) -> tuple[NDArray, NDArray]:
+    """World centres (n, 3) and van der Waals radii (n,) of the chosen atoms of all molecules.
+
+    Raises:
+        SettingsError: There are none, or too many.
+    """
+    centers, radii = [np.zeros((0, 3))], [np.zeros(0)]
+    for item in scene.molecules:
+        for chosen, rotations, positions in _placements(item, selection):
+            local = item.molecule.positions[chosen].astype(np.float64)
+            turned = np.einsum("kij,nj->kni", rotation_matrices(rotations), local)
+            centers.append((turned + positions[:, None]).reshape(-1, 3))
+            radii.append(np.tile(atom_radii(item.molecule)[chosen], len(positions)))
+    count = sum(map(len, radii))
+    if count == 0:
+        raise SettingsError(f"there are no atoms for a probe: '{selection}' selects none")
+    if count > MOST_ATOMS:
+        raise SettingsError(f"a probe takes at most {MOST_ATOMS:,} atoms, not {count:,}")
+    return np.concatenate(centers), np.concatenate(radii)
+
+
+def _placements(item: MoleculeItem, selection: str) -> list[tuple[NDArray, NDArray, NDArray]]:
+    """Mask of atoms, and the rotations and positions of their copies."""
+    molecule = item.molecule
+    mask = select(molecule, selection)
+    if item.assembly is None:
+        return [(mask, np.array([[0.0, 0, 0, 1]]), np.zeros((1, 3)))]
+    return [
+        (mask & np.isin(molecule.chain, part.chains), part.rotations, part.positions)
+        for part in molecule.assembly(item.assembly)
+    ]
+
+
+def read_path(path: str | Path) -> NDArray[np.float64]:
+    """(n, 3) places of a path that :meth:`Probe.save_path` wrote.
+
+    Raises:
+        LoadError: It is no such file.
+    """
+    try:
+        points = np.array(json.loads(Path(path).read_text("utf-8"))["points"], np.float64)
+    except FileNotFoundError:
+        raise LoadError(path, "there is no such file") from None
+    except (OSError, ValueError, KeyError, TypeError):
+        raise LoadError(path, "is no path of a probe") from None
+    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+        raise LoadError(path, "is no path of a probe: its points are not (x, y, z)")
+    return points

@@ -1,0 +1,134 @@
+"""The probe in the viewer: keys, light, clip plane, path, and the stream for other programs."""
+
+import asyncio
+import json
+import time
+
+import numpy as np
+import pytest
+
+pytest.importorskip("numba", reason="needs the viewer extra")
+
+from scuro.errors import LoadError, SettingsError
+from scuro.export.scene_file import Input, SceneFile, Show
+from scuro.probe.probe import Probe, ProbeSettings, placed_atoms, read_path
+from scuro.render import Renderer
+from scuro.scene.scene import Scene
+from scuro.viewer.model import Model
+from scuro.viewer.probing import Probing, stream_handler
+from scuro.viewer.view import View
+
+
+@pytest.fixture(scope="module")
+def renderer():
+    return Renderer()
+
+
+@pytest.fixture
+def probing(renderer):
+    document = SceneFile(input=(Input(path="sample:1hpv"),), show=(Show(style="spacefill"),))
+    made = Probing(View(Model(document), renderer.sibling(), (64, 48)))
+    assert made.key("p") and made.probe is not None
+    return made
+
+
+def test_it_starts_outside_the_atoms_and_keys_never_carry_it_in(probing):
+    probe = probing.probe
+    assert probe.constraint.depth(probe.position) < 0
+    start = probe.position.copy()
+    for key in ("PageUp",) * 30 + ("ArrowLeft", "ArrowUp") * 10:
+        assert probing.key(key)
+        assert probe.constraint.depth(probe.position) < 0
+    assert np.linalg.norm(probe.position - start) > 1
+    assert probing.key("p") and probing.probe is None and not probing.key("ArrowUp")
+
+
+def test_force_is_stiffness_times_the_way_the_hand_is_inside(probing):
+    probe = probing.probe
+    probing.change(ProbeSettings(stiffness=3.0))
+    middle = probing.view.model.scene.bounds().mean(axis=0)
+    probe.move(middle)
+    assert probe.force == pytest.approx(3.0 * (probe.position - middle))
+    state = probe.state()
+    assert state["contact"] and json.loads(json.dumps(state)) == state
+    probing.release()
+    assert not probe.force.any() and not probe.state()["contact"]
+
+
+def test_its_light_and_plane_are_in_the_drawn_scene_and_go_with_it(probing):
+    view, model = probing.view, probing.view.model
+    probing.change(ProbeSettings(clip=True))
+    scene = model.dressed(view.camera)
+    assert scene.lighting.lights[-1].position == pytest.approx(tuple(probing.probe.position))
+    distances = scene.clip.equations() @ np.append(probing.probe.position, 1)
+    assert distances == pytest.approx([1.4 + 0.5])
+    eye = scene.clip.equations() @ np.append(view.camera.position, 1)
+    assert (eye < 0).all(), "the plane does not cut toward the eye"
+    assert not model.clip.planes, "the riding plane became part of what can be undone"
+    probing.toggle()
+    assert not model.dressed(view.camera).clip.planes
+
+
+def test_a_path_is_recorded_saved_and_replayed(probing, tmp_path):
+    probe = probing.probe
+    probe.recording = True
+    for _ in range(12):
+        probing.key("ArrowRight")
+    probe.save_path(tmp_path / "path.json")
+    points = read_path(tmp_path / "path.json")
+    assert len(points) == len(probe.path) >= 10
+    now = [0.0]
+    probing._clock = lambda: now[0]
+    probing.replay()
+    probing.tick()
+    assert probe.position == pytest.approx(points[0], abs=0.01)
+    while probing.wait is not None:
+        now[0] += probing.wait
+        probing.tick()
+    assert probe.position == pytest.approx(points[-1], abs=0.01)
+    (tmp_path / "bad.json").write_text('{"points": [[1, 2]]}')
+    for name in ("bad.json", "none.json"):
+        with pytest.raises(LoadError):
+            read_path(tmp_path / name)
+
+
+def test_without_atoms_there_is_no_probe(probing):
+    with pytest.raises(SettingsError, match="no atoms"):
+        Probe(Scene(), ProbeSettings(), (0, 0, 0))
+    with pytest.raises(SettingsError, match="selects none"):
+        placed_atoms(probing.view.model.scene, "element Xe")
+
+
+def test_other_programs_move_it_and_feel_the_force_a_thousand_times_a_second(probing):
+    aiohttp = pytest.importorskip("aiohttp", reason="needs the viewer extra")
+    from scuro.viewer.access import Access
+    from scuro.viewer.server import Server
+
+    model = probing.view.model
+    inside = model.scene.bounds().mean(axis=0)
+    took = []
+
+    async def main():
+        from aiohttp import web
+
+        server = Server(None, Access.for_host("127.0.0.1"), 2, {"/probe": stream_handler(model)})
+        runner = web.AppRunner(server.application(), access_log=None, shutdown_timeout=0.1)
+        await runner.setup()
+        await web.TCPSite(runner, "127.0.0.1", 0).start()
+        url = f"http://127.0.0.1:{runner.addresses[0][1]}/probe"
+        async with aiohttp.ClientSession() as session, session.ws_connect(url) as socket:
+            for message in ("rubbish", "[]", '{"target": [1, 2]}', '{"target": [1, 2, NaN]}'):
+                await socket.send_str(message)
+                assert "error" in await socket.receive_json()
+            begin = time.process_time()
+            for step in range(200):
+                target = (inside + [0, 0, 20 - step / 10]).tolist()
+                await socket.send_json({"target": target})
+                state = await socket.receive_json()
+            took.append(time.process_time() - begin)
+            assert state["contact"] and model.probe.constraint.depth(state["position"]) < 0
+        await runner.cleanup()
+
+    asyncio.run(main())
+    # this process does both ends' work
+    assert took[0] < 0.4
