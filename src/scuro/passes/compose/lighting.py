@@ -76,9 +76,9 @@ PRESETS: dict[str, Lighting] = {
 }
 
 IMPLIED: dict[str, dict[str, str]] = {
-    "full": {"occlusion": "ray", "shadows": "soft"},
-    "soft": {"occlusion": "ray"},
-    "gentle": {"occlusion": "ray"},
+    "full": {"occlusion": "hybrid", "shadows": "soft"},
+    "soft": {"occlusion": "hybrid"},
+    "gentle": {"occlusion": "hybrid"},
 }
 """Techniques that a set-up brings along where the settings say ``auto``; none otherwise."""
 

@@ -115,7 +115,12 @@ fn combine(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) lo
     if (any(pixel >= vec2i(textureDimensions(surface)))) {
         return;
     }
-    let center = center_of(pixel, textureLoad(surface, pixel, 0));
+    let texel = textureLoad(surface, pixel, 0);
+    if (texel.w <= 0.0) {
+        textureStore(result, pixel, vec4f(1.0));
+        return;
+    }
+    let center = center_of(pixel, texel);
     let offset = vec2i(vec2u(hybrid.offset & 1u, hybrid.offset >> 1u));
     let base = (pixel - offset) / 2 - select(vec2i(0), vec2i(1), pixel < offset);
     var sum = vec2f(0.0);
