@@ -83,6 +83,10 @@ class Renderer:
             built.bodies, built.bounds = bodies, bounds
         return built.accelerator
 
+    def restart(self) -> None:
+        """Forget what earlier frames of the same picture gathered: path tracing starts again."""
+        self._paths = PathTracer()
+
     def sibling(self) -> Renderer:
         """A renderer for another view of the same scene.
 
@@ -90,7 +94,7 @@ class Renderer:
         """
         other = copy.copy(self)
         other.targets = TargetPool(self.gpu)
-        other._paths = PathTracer()
+        other.restart()
         return other
 
     def frame(

@@ -74,3 +74,24 @@ def test_bench_shadows_holds_each_technique_to_area_lights(capfd):
     assert set(rows) == {"none", "hard", "soft", "area", "mapped"}
     assert rows["hard"]["rmse"] > rows["soft"]["rmse"]
     assert rows["none"]["rmse"] > 2 * max(rows[k]["rmse"] for k in ("hard", "soft", "area"))
+
+
+def test_compare_holds_the_deferred_picture_to_the_path_tracer(tmp_path):
+    folder = tmp_path / "out"
+    options = ["--vary", "renderer", "--techniques", "deferred", "--lighting", "full"]
+    reference = ["--reference", "path,path.samples=4,path.bounces=1"]
+    small = ["--size", "64x48", "--frames", "1", "-o", str(folder)]
+    assert run(["compare", "sample:1hpv", *options, *reference, *small]) == 0
+    truth, deferred = json.loads((folder / "compare.json").read_text())["techniques"]
+    assert truth["settings"]["path.samples"] == 4 and truth["milliseconds"] > 20
+    assert deferred["object"]["ssim"] > 0.5
+
+
+def test_the_results_page_has_every_table_beside_the_thesis(tmp_path):
+    from scuro.measure.results import main
+
+    main([str(tmp_path / "results.md"), "sample:1hpv", "--size", "48x36", "--frames", "1"])
+    text = (tmp_path / "results.md").read_text()
+    for number in ("Table 4.1", "Table 4.3", "Table 5.2", "Table 5.3", "Figure 4.9"):
+        assert number in text
+    assert "| 1AON, 58,870 | 38 | 50.1 |" in text and "| sample:1hpv | " in text

@@ -128,6 +128,8 @@ def command(
 def reference_variant(vary: str, text: str) -> Variant:
     """Read ``NAME[,key=value…]``, keys being settings in the varied one's group.
 
+    A key with dots is a setting of any group: ``path,path.samples=256``.
+
     Raises:
         SettingsError: The name or a key is not known.
     """
@@ -140,9 +142,13 @@ def reference_variant(vary: str, text: str) -> Variant:
     siblings = {
         path[-1]: p for path, p in walk(Settings) if path[:-1] == tuple(filter(None, [group]))
     }
+    anywhere = {".".join(path): p for path, p in walk(Settings) if len(path) > 1}
     changes = dict(made.changes)
     for part in rest:
         key, _, value = part.partition("=")
+        if key in anywhere:
+            changes[key.replace(".", "__")] = parse_element(anywhere[key], value)
+            continue
         if key not in siblings:
             raise SettingsError(f"--reference '{text}': {unknown('key', key, siblings)}")
         changes[f"{group}__{key}" if group else key] = parse_element(siblings[key], value)

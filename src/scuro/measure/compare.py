@@ -94,6 +94,7 @@ def draw(
         shown |= buffers["volume_opacity"] > _LEAST_OPACITY
     times = []
     for _ in range(frames):
+        renderer.restart()
         start = time.perf_counter()
         renderer.frame(scene, camera, chosen).recorder.submit()
         renderer.gpu.finish()
