@@ -20,7 +20,7 @@ def test_white_atoms_are_bright_and_not_clipped(preset):
 
 def test_full_brings_occlusion_and_shadows_that_settings_can_refuse():
     full = Settings().replace(lighting__preset="full")
-    assert with_implied(full).occlusion.technique == "ray"
+    assert with_implied(full).occlusion.technique == "hybrid"
     assert with_implied(full).shadows.technique != "none"
     refused = with_implied(full.replace(occlusion__technique="none", shadows__technique="none"))
     assert refused.occlusion.technique == refused.shadows.technique == "none"
