@@ -195,19 +195,22 @@ class VolumePicture:
                 "height": size[1],
             },
             "shading": {
-                "phong": int(settings.shading == "phong"),
                 "diffuse": 1.0,
                 "specular": settings.specular,
                 "shininess": settings.shininess,
                 "flat": 0.02,
-                "shadows": int(settings.shadow.on),
             },
             "surface": surface or self._keep("no surface", 0, self._no_surface),
             "volume_color": color,
             "volume_depth": depth,
             "illuminated": self._keep("no light", 0, self._no_light),
         }
-        constants = {"ISOSURFACE": settings.iso is not None, "SURFACES": surface is not None}
+        constants = {
+            "ISOSURFACE": settings.iso is not None,
+            "SURFACES": surface is not None,
+            "PHONG": settings.shading == "phong",
+            "SHADOWED": settings.shadow.on,
+        }
         if lighted and settings.light == "monte-carlo":
             sums = self._keep(
                 "sums", size, lambda: self.gpu.buffer(16 * size[0] * size[1], label="volume truth")

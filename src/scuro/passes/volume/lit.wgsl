@@ -4,23 +4,25 @@
 //#include "lamps.wgsl"
 
 struct Shading {
-    // 0: samples glow with their own color, dimmed by occlusion and shadow; 1: Blinn-Phong
-    phong: u32,
     diffuse: f32,
     specular: f32,
     shininess: f32,
     // gradients shorter than this, in values per voxel edge, have no direction worth shading by
     flat: f32,
-    shadows: u32,
 }
+
+// Blinn-Phong; otherwise samples glow with their own color, dimmed by occlusion and shadow.
+// Constants, since software adapters run both sides of a branch.
+override PHONG: bool = false;
+override SHADOWED: bool = false;
 
 @group(2) @binding(3) var<uniform> shading: Shading;
 
 // `open` is the ambient visibility, `shadow` those of the lights of shadow layers 0, 1 and 2.
 fn lit(point: Point, open: f32, shadow: vec3f) -> vec3f {
     var sum = lights.ambient * open;
-    if (shading.phong == 0u) {
-        if (shading.shadows == 0u) {
+    if (!PHONG) {
+        if (!SHADOWED) {
             return vec3f(open);
         }
         var most = lights.ambient;

@@ -89,17 +89,24 @@ fn integrate(pixel: vec2u) -> Result {
         var opacity = 0.0;
         loop {
             t = start + k * volume.step;
-            if (t >= end || opacity > 0.0) {
+            // leaps alone first: they need no sample. They stay on the ray's own lattice of
+            // samples, so that they do not change the picture
+            var leap = 1.0;
+            for (; leap > 0.0 && t < end;) {
+                leap = empty_length((origin + t * direction) * volume.size, inverse);
+                k += select(0.0, max(1.0, ceil(leap / volume.step - 0.001)), leap > 0.0);
+                t = start + k * volume.step;
+            }
+            if (t >= end) {
                 break;
             }
             uvw = origin + t * direction;
             index = table_index(value_at(uvw));
             opacity = step_opacity[index];
-            if (opacity <= 0.0) {
-                // leaps stay on the ray's own lattice of samples: they must not change the picture
-                let leap = empty_length(uvw * volume.size, inverse);
-                k = max(k + 1.0, ceil((t + leap - start) / volume.step - 0.001));
+            if (opacity > 0.0) {
+                break;
             }
+            k += 1.0;
         }
         if (opacity <= 0.0) {
             break;
