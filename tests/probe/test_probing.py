@@ -122,7 +122,7 @@ def test_other_programs_move_it_and_feel_the_force_a_thousand_times_a_second(pro
                 assert "error" in await socket.receive_json()
             begin = time.process_time()
             for step in range(200):
-                target = (inside + [0, 0, 20 - step / 10]).tolist()
+                target = (inside + np.array([0, 0, 20 - step / 10])).tolist()
                 await socket.send_json({"target": target})
                 state = await socket.receive_json()
             took.append(time.process_time() - begin)

@@ -191,7 +191,7 @@ class Probing:
 
         if not imgui.collapsing_header("Probe"):
             return
-        changed, on = imgui.checkbox("probe in the scene", self.probe is not None)
+        changed, _ = imgui.checkbox("probe in the scene", self.probe is not None)
         if changed:
             self.toggle()
         changed, settings = group("probe", self.settings)

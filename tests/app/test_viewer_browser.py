@@ -1,0 +1,236 @@
+"""The viewer in a real browser: load, drag, set, pick, clip, save; and in a real window."""
+
+import io
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+DRIVER = shutil.which("chromedriver")
+SIZE = (860, 460)
+"""Of the page; the panel takes 330 of its width."""
+_FLAGS = (
+    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--hide-scrollbars", "--force-device-scale-factor=1",
+)  # fmt: skip
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2] / "src")}
+
+
+@pytest.fixture(scope="module")
+def address():
+    """Of a viewer that serves a space-filling protease."""
+    pytest.importorskip("imgui_bundle", reason="needs the viewer extra")
+    command = [sys.executable, "-m", "scuro", "serve", "sample:1hpv", "--port", "0"]
+    command += ["--style", "spacefill", "--color", "chain"]
+    server = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT
+    )
+    try:
+        yield server.stdout.readline().strip()
+    finally:
+        server.terminate()
+        server.communicate(timeout=20)
+
+
+@pytest.fixture(scope="module")
+def page(address, tmp_path_factory):
+    if CHROMIUM is None or DRIVER is None:
+        pytest.skip("needs Debian's packages chromium and chromium-driver")
+    webdriver = pytest.importorskip("selenium.webdriver", reason="needs selenium")
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for flag in (*_FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
+        options.add_argument(flag)
+    downloads = tmp_path_factory.mktemp("downloads")
+    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
+    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+    try:
+        driver.execute_cdp_cmd(
+            "Emulation.setDeviceMetricsOverride",
+            {"width": SIZE[0], "height": SIZE[1], "deviceScaleFactor": 1, "mobile": False},
+        )
+        driver.get(address)
+        yield Page(driver, downloads)
+    finally:
+        driver.quit()
+
+
+class Page:
+    """What a person does with the page."""
+
+    def __init__(self, driver, downloads):
+        self.driver, self.downloads = driver, downloads
+
+    def _index(self):
+        return int(
+            self.driver.execute_script(
+                "const i = document.querySelector('#canvas img');"
+                "return i ? Number(i.dataset.index || 0) : 0"
+            )
+        )
+
+    def rested(self, timeout=60):
+        """The page's pixels once no new picture has come for a while."""
+        end, last, since = time.time() + timeout, -1, time.time()
+        while time.time() < end:
+            index = self._index()
+            if index != last:
+                last, since = index, time.time()
+            elif index > 1 and time.time() - since > 1.5:
+                shot = self.driver.get_screenshot_as_png()
+                return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"))
+            time.sleep(0.1)
+        raise AssertionError("the page never comes to rest")
+
+    def _mouse(self, kind, x, y, button="left", **more):
+        self.driver.execute_cdp_cmd(
+            "Input.dispatchMouseEvent",
+            {"type": kind, "x": x, "y": y, "button": button, "clickCount": 1, **more},
+        )
+        time.sleep(0.05)
+
+    def click(self, x, y):
+        self._mouse("mouseMoved", x, y, "none")
+        time.sleep(0.3)
+        self._mouse("mousePressed", x, y)
+        time.sleep(0.3)
+        self._mouse("mouseReleased", x, y)
+
+    def drag(self, start, end):
+        self._mouse("mouseMoved", *start, "none")
+        time.sleep(0.3)
+        self._mouse("mousePressed", *start)
+        for share in (0.25, 0.5, 0.75, 1.0):
+            x, y = (a + share * (b - a) for a, b in zip(start, end, strict=True))
+            self._mouse("mouseMoved", x, y, buttons=1)
+        time.sleep(0.3)
+        self._mouse("mouseReleased", *end)
+
+    def key(self, key):
+        for kind in ("keyDown", "keyUp"):
+            self.driver.execute_cdp_cmd("Input.dispatchKeyEvent", {"type": kind, "key": key})
+
+
+PICTURE = (slice(45, 400), slice(130, 520))
+"""Rows and columns of the page where only the scene is drawn."""
+
+
+def changed(a, b):
+    """Share of the scene's pixels that differ clearly."""
+    return (np.abs(a[PICTURE].astype(int) - b[PICTURE]) > 24).any(axis=-1).mean()
+
+
+def test_the_page_shows_what_render_draws_and_answers_to_hands(page, tmp_path):
+    first = page.rested()
+    assert first.shape == (SIZE[1], SIZE[0], 3)
+    # the same scene from the command line, at the size the panel leaves
+    output = tmp_path / "render.png"
+    subprocess.run(
+        [sys.executable, "-m", "scuro", "render", "sample:1hpv", "--style", "spacefill",
+         "--color", "chain", "--size", f"{SIZE[0] - 330}x{SIZE[1]}", "-o", str(output)],
+        check=True, env=ENVIRONMENT, timeout=120,
+    )  # fmt: skip
+    rendered = np.asarray(Image.open(output).convert("RGB"))
+    assert np.abs(first[PICTURE].astype(int) - rendered[PICTURE]).max() <= 1
+    assert rendered[PICTURE].std() > 20, "an empty picture"
+
+    page.drag((260, 230), (320, 250))
+    turned = page.rested()
+    assert changed(first, turned) > 0.1
+
+    # pick: the atom's outline is orange, and its name is written above the picture
+    page.click(265, 230)
+    picked = page.rested()
+    orange = (np.abs(picked.astype(int) - (255, 140, 0)) <= 40).all(axis=-1)
+    assert 4 < orange[PICTURE].sum() < 4000
+    name = (slice(6, 28), slice(10, 120))
+    assert (picked[name] < 90).all(axis=-1).sum() > 60, "no name of what is under the pointer"
+
+    page.key("c")
+    clipped = page.rested()
+    assert changed(picked, clipped) > 0.1
+    page.driver.execute_cdp_cmd(
+        "Input.dispatchKeyEvent", {"type": "keyDown", "key": "z", "modifiers": 2}
+    )
+    assert changed(picked, page.rested()) < 0.01, "undo does not bring the picture back"
+
+    # the slider 'opacity' of the first representation lies in the panel
+    row = opacity_row(picked)
+    page.drag((690, row), (570, row))
+    faded = page.rested()
+    assert (faded[row - 8 : row + 8, 540:700] != picked[row - 8 : row + 8, 540:700]).any()
+
+    # the button that saves the picture
+    page.click(740, 37)
+    end = time.time() + 30
+    while not list(page.downloads.glob("*.png")) and time.time() < end:
+        time.sleep(0.1)
+    (saved,) = page.downloads.glob("*.png")
+    assert Image.open(saved).size == (SIZE[0] - 330, SIZE[1])
+
+
+def opacity_row(pixels):
+    """The middle of the topmost slider: its grab is the brightest blue of the panel."""
+    panel = pixels[60:, 540:720].astype(int)
+    grab = (panel[..., 2] > 200) & (panel[..., 0] < 100)
+    rows = np.flatnonzero(grab.sum(axis=1) >= 6)
+    first = rows[0]
+    last = next(r for r in rows if r + 1 not in rows)
+    return int(60 + (first + last) // 2)
+
+
+def test_the_window_opens_draws_and_closes(tmp_path):
+    pytest.importorskip("imgui_bundle", reason="needs the viewer extra")
+    pytest.importorskip("glfw", reason="needs the viewer extra")
+    if shutil.which("xvfb-run") is None:
+        pytest.skip("needs Debian's package xvfb")
+    code = """
+import time
+from rendercanvas.glfw import loop
+from scuro.export.scene_file import Input, SceneFile, Show
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.viewer.model import Model
+from scuro.viewer.window import open_window, run_windows
+document = SceneFile(
+    input=(Input(path="sample:1hpv"),), show=(Show(style="spacefill"),),
+    settings=Settings(size=(700, 300)),
+)
+screen = open_window(Model(document), Renderer())
+start = time.time()
+def look():
+    if screen.view.share < 1 and time.time() - start < 60:
+        loop.call_later(0.2, look)
+        return
+    drawn = screen.view.drawn
+    picture = screen.gpu.read_texture(drawn.resources["picture"])
+    print(screen.view.share, picture.shape, picture[..., :3].std() > 20, flush=True)
+    loop.stop()
+loop.call_later(0.2, look)
+run_windows()
+"""
+    done = subprocess.run(
+        ["xvfb-run", "-a", "-s", "-screen 0 1024x768x24", sys.executable, "-c", code],
+        capture_output=True, text=True, timeout=120, env=ENVIRONMENT, cwd=tmp_path,
+    )  # fmt: skip
+    assert done.stdout.strip() == "1.0 (300, 370, 4) True", done.stderr[-2000:]
+
+
+def test_without_a_display_view_says_what_to_do():
+    environment = {k: v for k, v in ENVIRONMENT.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    done = subprocess.run(
+        [sys.executable, "-m", "scuro", "view", "sample:1hpv"],
+        capture_output=True, text=True, env=environment, timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert "scuro serve" in done.stderr and "Traceback" not in done.stderr
