@@ -247,6 +247,7 @@ class Renderer:
             drawn = self.gpu.read_texture(frame.resources["picture"])
             pixels[part.rows, part.columns] = drawn[part.inside]
             count += 1
+        pixels = self.reservoirs.legends(pixels, scene)
         return Image(pixels, frame if count == 1 else None, settings)
 
     def fitted(self, scene: Scene, settings: Settings, **options: Any) -> Camera:

@@ -98,7 +98,7 @@ class ReservoirPicture:
     def draw(self, frame: Frame, scene: Scene, strategy: StrategySettings) -> None:
         """Record the volume over ``color``, up to the depths of ``surface``."""
         model = self.model(frame.accelerator.center, strategy)
-        march = self.march(model, strategy, scene.clip)
+        march = self.march(model, strategy, scene.clip.cutting)
         resources = {
             **model.resources,
             "colors": model.colors,
@@ -115,7 +115,7 @@ class ReservoirPicture:
                 lambda: ReservoirLight(model, strategy.light_resolution),
             )
             resources["light"] = light.draw(
-                frame, scene, strategy, item_transfer(self.item), scene.clip
+                frame, scene, strategy, item_transfer(self.item), scene.clip.cutting
             )
             march |= light_shares(frame, scene, model, strategy)
         if strategy.technique == "srg":

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from weakref import WeakKeyDictionary
 
+import numpy as np
+from numpy.typing import NDArray
+
 from scuro.passes.frame import Frame
 from scuro.passes.reservoir.draw import ReservoirPicture
 from scuro.passes.reservoir.model import ReservoirModel
@@ -20,6 +23,15 @@ class Reservoirs:
     def model(self, item: ReservoirItem) -> ReservoirModel:
         """The model on the GPU that was drawn last for an item."""
         return self._pictures[item].drawn
+
+    def legends(self, pixels: NDArray[np.uint8], scene: Scene) -> NDArray[np.uint8]:
+        """The finished picture with the legends that reservoirs ask for."""
+        for item in scene.reservoirs:
+            if item.settings.legend:
+                from scuro.style.reservoir_legend import with_legend
+
+                return with_legend(pixels, item)
+        return pixels
 
     def draw(self, frame: Frame, scene: Scene) -> None:
         """Draw the reservoirs that are shown as volumes over ``color``."""

@@ -13,6 +13,7 @@ from scuro.passes.reservoir.model import ReservoirModel
 from scuro.passes.reservoir.resample import Resampled
 from scuro.passes.reservoir.settings import StrategySettings
 from scuro.passes.volume.draw import VolumePicture
+from scuro.passes.volume.light import LightTexture
 from scuro.scene.clip import Clip
 from scuro.scene.scene import Scene
 from scuro.scene.volume import Volume
@@ -42,6 +43,7 @@ class ReservoirLight:
         matrix[:3, 3] = grid.low + grid.voxel / 2 + model.center
         self.volume = Volume(data, matrix)
         self.picture = VolumePicture(model.gpu, self.volume, model.center)
+        self._texture: LightTexture | None = None
         self._transfer: tuple[Any, TransferFunction] | None = None
 
     def transfer(self, shown: TransferFunction) -> TransferFunction:
@@ -66,6 +68,7 @@ class ReservoirLight:
     ) -> Any:  # fmt: skip
         """Record the light's texture: visibility, and the shadows of three lights."""
         settings = frame.settings.volume.replace(
+            light="object",
             light_all=True,
             light_resolution=1.0,
             coefficients=1,
@@ -88,10 +91,12 @@ class ReservoirLight:
             "volume": picture.uniform(settings, clip, classified),
         }
         pyramid = picture.pyramid(classified, settings, clip)
-        resources |= picture.cones(settings, pyramid)
-        return picture.illuminated(
-            frame.recorder, resources, settings, frame.size, {"ISOSURFACE": False}
-        )
+        resources |= picture.cones(settings, pyramid, clip)
+        texels = LightTexture.texels_for(picture.grid, settings)
+        if self._texture is None or self._texture.texels != texels:
+            self._texture = LightTexture(self.model.gpu, texels)
+        self._texture.make(frame.recorder, resources, settings, frame.size, {"ISOSURFACE": False})
+        return self._texture.texture
 
 
 def light_shares(
