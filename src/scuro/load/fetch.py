@@ -6,12 +6,9 @@
 from __future__ import annotations
 
 import contextlib
-import http.client
 import os
 import re
 import tempfile
-import urllib.error
-import urllib.request
 from pathlib import Path
 
 from scuro.errors import LoadError
@@ -61,6 +58,11 @@ def fetch(pdb_id: str) -> Path:
 
 
 def _download(pdb_id: str, entry: str) -> bytes:
+    # imported here: few runs download anything, and all would wait for it
+    import http.client
+    import urllib.error
+    import urllib.request
+
     base = os.environ.get("SCURO_PDB_URL", DEFAULT_URL).rstrip("/")
     try:
         with urllib.request.urlopen(f"{base}/{entry}.bcif.gz", timeout=TIMEOUT) as answer:
