@@ -23,6 +23,8 @@ DEFAULT_COLOR = (180, 180, 180)
 """sRGB of ingredients nobody has coloured."""
 PIECE = 24
 """Curves are traced in pieces of so many segments, whose bounding spheres are small."""
+BEADS = 0.2
+"""Spacing of the balls along a curve, in radii."""
 MATTE = Material(specular=0.0)
 """Highlights on atoms smaller than a pixel would sparkle."""
 
@@ -313,15 +315,19 @@ def _repeated(color: tuple[int, int, int], count: int) -> NDArray[np.uint8]:
 
 
 def _tube(points: NDArray[np.float32], number: int, ingredient: Ingredient) -> Geometry:
-    """Capless cylinders along a piece of a curve, with spheres at the points to round the bends."""
-    ends = np.full((len(points), 4), ingredient.curve_radius, np.float32)
-    ends[:, :3] = points
-    rods = np.stack([ends[:-1], ends[1:]], axis=1)
+    """Closely spaced balls along a piece of a curve.
+
+    Balls, not cylinders: a scene of nothing but spheres is traced several times as fast.
+    """
+    radius = ingredient.curve_radius
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    places = np.linspace(0.0, along[-1], int(along[-1] / (BEADS * radius)) + 2)
+    spheres = np.full((len(places), 4), radius, np.float32)
+    for axis in range(3):
+        spheres[:, axis] = np.interp(places, along, points[:, axis])
     return Geometry(
-        spheres=ends,
-        sphere_colors=_repeated(ingredient.color, len(ends)),
-        sphere_ids=np.full(len(ends), number, np.int32),
-        rods=rods,
-        rod_colors=_repeated(ingredient.color, 2 * len(rods)).reshape(-1, 2, 4),
-        rod_ids=np.full((len(rods), 2), number, np.int32),
+        spheres=spheres,
+        sphere_colors=_repeated(ingredient.color, len(spheres)),
+        sphere_ids=np.full(len(spheres), number, np.int32),
     )

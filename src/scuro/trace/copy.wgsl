@@ -8,6 +8,8 @@ struct Copying {
     cells: u32,
     // cells and entries
     total: u32,
+    // entries before this are instances, of the grid over them
+    top: u32,
 }
 
 @group(0) @binding(0) var<uniform> copying: Copying;
@@ -15,6 +17,8 @@ struct Copying {
 @group(0) @binding(2) var<storage, read> cells: array<u32>;
 @group(0) @binding(3) var<storage, read> refs: array<u32>;
 @group(0) @binding(4) var walked: texture_storage_2d<rgba32uint, write>;
+// bounding spheres of the instances
+@group(0) @binding(5) var<storage, read> bounds: array<vec4f>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -31,7 +35,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let reference = refs[index];
         let primitive = reference & ~LAST_OF_CELL;
         let last = (reference & LAST_OF_CELL) != 0u;
-        if (kind_of(primitive) == SPHERE) {
+        if (index < copying.top) {
+            // an instance's bounding sphere; of nothing at all, the sign must still show
+            let bound = bounds[primitive];
+            texel = bitcast<vec4u>(vec4f(bound.xyz, max(bound.w, 1e-30)));
+            texel.w |= select(0u, 0x80000000u, last);
+        } else if (kind_of(primitive) == SPHERE) {
             // a sphere whole; radius negative for the last of a cell
             texel = bitcast<vec4u>(textureLoad(slots, table_place(slot_of(primitive)), 0));
             texel.w |= select(0u, 0x80000000u, last);

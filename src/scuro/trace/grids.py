@@ -161,6 +161,7 @@ def build_grids(
     recorder.submit()
     run("fill", len(items))
     run("finish", cell_count)
+    top = cell_count + int(ends[int(np.prod(plan.grids[0]["dims"], dtype=np.int64)) - 1])
     walked = empty_table(gpu, total, "rgba32uint", "grid entries")
     for first in range(0, total, 65535 * 64):
         gpu.compute(
@@ -168,7 +169,8 @@ def build_grids(
             "main",
             (min(65535 * 64, total - first),),
             {
-                "copying": {"first": first, "cells": cell_count, "total": total},
+                "copying": {"first": first, "cells": cell_count, "total": total, "top": top},
+                "bounds": resources["bounds"],
                 "slots": slots,
                 "cells": cells,
                 "refs": refs,

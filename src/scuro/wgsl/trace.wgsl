@@ -234,6 +234,12 @@ fn around(kept: Kept) -> Kept {
     return kept;
 }
 
+// What a ray enters beyond this distance it will find listed again in a later cell.
+fn entered_before(walk: Walk) -> f32 {
+    let t_exit = walk_exit(walk);
+    return select(t_exit * 1.0001 + 1e-3 * scene.top.cell, NOTHING, t_exit >= walk.t_end);
+}
+
 fn trace(ray: Ray, t_min: f32, t_max: f32, any: bool) -> Hit {
     var best = NO_HIT;
     best.t = t_max;
@@ -252,8 +258,8 @@ fn trace(ray: Ray, t_min: f32, t_max: f32, any: bool) -> Hit {
     } else {
         let bounds = around(kept);
         var walk = walk_start(scene.top, ray, max(t_min, bounds.near), min(t_max, bounds.far));
-        // the last two instances seen need no second look
-        var seen = vec2u(NO_PRIMITIVE);
+        // the last instances seen need no second look
+        var seen = vec4u(NO_PRIMITIVE);
         loop {
             if (walk.t_end < -1.0e38) {
                 break;
@@ -262,10 +268,23 @@ fn trace(ray: Ray, t_min: f32, t_max: f32, any: bool) -> Hit {
             if (index == EMPTY_CELL) {
                 break;
             }
+            let t_cell = entered_before(walk);
             loop {
-                let reference = ref_at(index);
-                let instance = reference & ~LAST_OF_CELL;
-                if (instance != seen.x && instance != seen.y) {
+                // a tight loop over bounding spheres, until one is met or the cell ends
+                var met = false;
+                var last = false;
+                loop {
+                    let bound = bitcast<vec4f>(walked_at(index));
+                    let span = sphere_span(ray, bound.xyz, abs(bound.w));
+                    last = bound.w < 0.0;
+                    met = span.near <= min(best.t, t_cell) && span.far >= t_min;
+                    if (met || last) {
+                        break;
+                    }
+                    index += 1u;
+                }
+                let instance = ref_at(index) & ~LAST_OF_CELL;
+                if (met && all(seen != vec4u(instance))) {
                     let local = local_view(ray, instance, t_min, best.t, kept);
                     if (local.near) {
                         if (any) {
@@ -276,10 +295,10 @@ fn trace(ray: Ray, t_min: f32, t_max: f32, any: bool) -> Hit {
                             );
                         }
                     }
-                    seen = vec2u(seen.y, instance);
+                    seen = vec4u(instance, seen.xyz);
                 }
                 index += 1u;
-                if (found || (reference & LAST_OF_CELL) != 0u) {
+                if (found || last) {
                     break;
                 }
             }
