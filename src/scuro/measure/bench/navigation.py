@@ -30,12 +30,9 @@ _CUBE = 30.0
 def run(options: BenchOptions) -> dict[str, Any]:
     """Measure; see the module. Inputs take the place of the molecules of growing size."""
     renderer = Renderer(options.device)
-    rows = []
     scene = droplets(_ATOMS, 1)
-    for edge in _EDGES:
-        rows.append(_measure(renderer, f"{_ATOMS:,} atoms", scene, edge, options))
-    for name, grown in _grown(options):
-        rows.append(_measure(renderer, name, grown, _CUBE, options))
+    rows = [_measure(renderer, f"{_ATOMS:,} atoms", scene, edge, options) for edge in _EDGES]
+    rows += [_measure(renderer, name, grown, _CUBE, options) for name, grown in _grown(options)]
     return {"adapter": str(renderer.gpu.info), "size": list(options.size), "rows": rows}
 
 
@@ -58,7 +55,6 @@ def _measure(
     cube = None if edge is None else (edge, edge, edge)
     scene.clip = Clip(ClippingSettings(cube=cube).box(middle))
     settings = Settings(size=options.size).replace(occlusion__technique="ray")
-    # the cube fills the picture as it does for who walks through a molecule
     camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
 
     def frame() -> None:

@@ -37,6 +37,14 @@ fn mark(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         center += rotate(instance.rotation, cluster.xyz);
         radius = cluster.w;
     }
+    if (CLIPPED && (traced_object(instance.object).flags & UNCLIPPED) == 0u) {
+        // what a plane takes away whole is not even looked for: cost follows what is left
+        for (var i = 0u; i < scene.plane_count; i += 1u) {
+            if (dot(scene.planes[i].xyz, center) + scene.planes[i].w < -radius) {
+                return;
+            }
+        }
+    }
     let p = (view.view_from_scene * vec4f(center, 1.0)).xyz;
     let x = picture_interval(p.x, -p.z, radius) / view.half_extent.x;
     let y = picture_interval(p.y, -p.z, radius) / view.half_extent.y;
