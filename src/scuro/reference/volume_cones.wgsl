@@ -66,7 +66,7 @@ fn transmittance(p: vec3f, direction: vec3f, reach: f32) -> f32 {
     var k = 0.0;
     for (var t = truth.gap; t < end && depth < 9.0; t = truth.gap + k * truth.step) {
         let uvw = origin + t * along;
-        let now = colors[table_index(value_at(uvw))].w;
+        let now = color_at(table_index(value_at(uvw))).w;
         depth += select(0.5, 0.0, k == 0.0) * (last + now) * scale;
         last = now;
         let leap = empty_length(uvw * volume.size, inverse);

@@ -102,7 +102,7 @@ fn integrate(pixel: vec2u) -> Result {
             }
             uvw = origin + t * direction;
             index = table_index(value_at(uvw));
-            opacity = step_opacity[index];
+            opacity = textureLoad(step_opacity, vec2u(index, 0u), 0).x;
             if (opacity > 0.0) {
                 break;
             }
@@ -118,7 +118,7 @@ fn integrate(pixel: vec2u) -> Result {
         }
         let point = Point(ray.origin + t * ray.direction, uvw, ray.direction, t, weight,
             cut_normal, pixel);
-        color += weight * colors[index].rgb * light_at(point);
+        color += weight * color_at(index).rgb * light_at(point);
         through -= weight;
         seen = select(seen, t, seen == 0.0 && through < 0.5);
         if (through < march.cutoff) {
@@ -175,5 +175,5 @@ fn find_isosurface(ray: Ray, span: Crossing, end: f32, pixel: vec2u) -> Result {
     }
     let point = Point(ray.origin + t * ray.direction, origin + t * direction, ray.direction, t, 1.0,
         cut_normal, pixel);
-    return Result(vec4f(colors[table_index(march.iso)].rgb * light_at(point), 1.0), t);
+    return Result(vec4f(color_at(table_index(march.iso)).rgb * light_at(point), 1.0), t);
 }

@@ -37,7 +37,7 @@ struct Level {
 @group(2) @binding(3) var<storage, read> from_: array<u32>;
 @group(2) @binding(4) var<storage, read_write> to: array<u32>;
 // opacity of one mean voxel edge, by table index
-@group(2) @binding(5) var<storage, read> voxel_opacity: array<f32>;
+@group(2) @binding(5) var voxel_opacity: texture_2d<f32>;
 
 const MOST: f32 = 0.999;
 
@@ -52,7 +52,8 @@ override HAS_SOLIDS: bool = false;
 override COARSE: bool = false;
 
 fn voxel_opacity_at(at: vec3u) -> f32 {
-    var opacity = voxel_opacity[table_index(textureLoad(samples, at, 0).r)];
+    var opacity = textureLoad(
+        voxel_opacity, vec2u(table_index(textureLoad(samples, at, 0).r), 0u), 0).x;
     let uvw = (vec3f(at) + 0.5) / volume.size;
     if (HAS_SOLIDS) {
         opacity = max(opacity, textureSampleLevel(solids, trilinear, uvw, 0.0).r);

@@ -34,9 +34,9 @@ const BLOCK: f32 = 4.0;
 @group(1) @binding(1) var samples: texture_3d<f32>; // filterable
 @group(1) @binding(2) var trilinear: sampler;
 // linear color, and extinction coefficient per mean voxel edge, at equal steps of the value
-@group(1) @binding(3) var<storage, read> colors: array<vec4f>;
+@group(1) @binding(3) var colors: texture_2d<f32>;
 // opacity of one step of the ray
-@group(1) @binding(4) var<storage, read> step_opacity: array<f32>;
+@group(1) @binding(4) var step_opacity: texture_2d<f32>;
 // for each block: blocks to the nearest that is not empty (Chebyshev distance), 0 where occupied
 @group(1) @binding(5) var<storage, read> distances: array<u32>;
 
@@ -59,12 +59,16 @@ fn table_index(value: f32) -> u32 {
     return u32(clamp(value, 0.0, 1.0) * volume.table_end + 0.5);
 }
 
+fn color_at(index: u32) -> vec4f {
+    return textureLoad(colors, vec2u(index, 0u), 0);
+}
+
 // Extinction coefficient per mean voxel edge at a point of the medium; nothing outside.
 fn extinction_at(uvw: vec3f) -> f32 {
     if (any(uvw < vec3f(0.0)) || any(uvw > vec3f(1.0))) {
         return 0.0;
     }
-    return colors[table_index(value_at(uvw))].w;
+    return color_at(table_index(value_at(uvw))).w;
 }
 
 fn smooth_value(uvw: vec3f) -> f32 {
