@@ -82,6 +82,14 @@ def test_frames_of_another_film_are_not_taken(tmp_path, capsys):
     assert names == ["000000.png", "000001.png"]
 
 
+def test_unfinished_frames_are_taken_up_by_the_same_film_only(tmp_path):
+    document = SceneFile((Input(path="sample:1hpv"),), settings=Settings(size=(32, 24)))
+    motion = Motion(document, MovieSettings(length=3))
+    next(Film(tmp_path / "a.gif", motion, {"color": "chain"}).draw(Renderer()))
+    assert Film(tmp_path / "a.gif", motion, {"color": "chain"}).missing == [1, 2]
+    assert Film(tmp_path / "a.gif", motion, {"color": "element"}).missing == [0, 1, 2]
+
+
 def test_a_full_disk_keeps_finished_frames(tmp_path, monkeypatch):
     document = SceneFile((Input(path="sample:1hpv"),), settings=Settings(size=(32, 24)))
     film = Film(tmp_path / "a.gif", Motion(document, MovieSettings(length=3)), {})
