@@ -24,6 +24,7 @@ COMMANDS = {
     "movie": "Make a film of a file.",
     "compare": "Hold every technique against the reference.",
     "bench": "Measure speed and memory.",
+    "make-mesoscale": "Build a cell-scale scene of any size from structures.",
     "save": "Write a scene file: all that a picture depends on.",
 }
 """Each command is ``scuro.app.NAME`` and defines ``command``; imported when it is called."""
