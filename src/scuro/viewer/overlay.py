@@ -45,6 +45,8 @@ def nice_length(most: float, unit: str) -> tuple[float, str]:
 
 def scene_unit(view: View) -> str:
     """Unit of length of the world: the volumes' own, metres for reservoirs, else ångström."""
+    if view.model.scene.molecules:
+        return "Å"
     for item in view.model.scene.items:
         if hasattr(item, "volume"):
             return str(item.volume.unit)

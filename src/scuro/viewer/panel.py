@@ -11,6 +11,8 @@ from scuro.export.scene_file import Show
 from scuro.scene.clip import Clip, Plane
 from scuro.scene.lights import Light
 from scuro.settings import SettingsGroup, parameters, subgroups
+from scuro.style.color import CATEGORIES, VALUES
+from scuro.style.representation import STYLES
 from scuro.viewer.controls import KEYS
 from scuro.viewer.fields import Fields
 from scuro.viewer.handles import Handles
@@ -18,6 +20,8 @@ from scuro.viewer.labels import Label
 from scuro.viewer.overlay import selection_labels
 from scuro.viewer.pick import sentence
 from scuro.viewer.probing import Probing
+from scuro.viewer.sequence import SequenceStrip
+from scuro.viewer.transfer_editor import TransferEditor
 from scuro.viewer.view import View
 
 WIDTH = 330.0
@@ -51,6 +55,8 @@ class Panel:
         self._listing = listing
         self._listed: list[str] | None = None
         self._fields = Fields()
+        self._transfer = TransferEditor(view)
+        self._sequence = SequenceStrip(view)
         self.open = True
         self.names = False
         """Whether selected atoms carry their names."""
@@ -92,11 +98,13 @@ class Panel:
             self._top()
             self._files()
             self._shows()
+            self._transfer.draw(WIDTH - 40)
             self._settings()
             self._lights()
             self._clip()
             self._probing.panel(self._group, self._save)
             self._selection()
+            self._sequence.draw()
             self._help()
             imgui.pop_item_width()
         imgui.end()
@@ -186,8 +194,13 @@ class Panel:
         for index, show in enumerate(shows):
             imgui.push_id(f"show{index}")
             changed, new = self._group(f"show{index}", show)
+            word = _choice("styles", ("auto", *STYLES)), _choice("schemes", (*VALUES, *CATEGORIES))
+            for key, chosen in zip(("style", "color"), word, strict=True):
+                if chosen is not None:
+                    changed, new = True, new.replace(**{key: chosen})
             if changed:
                 model.change(f"show{index}", show=(*shows[:index], new, *shows[index + 1 :]))
+            imgui.new_line()
             if len(shows) > 1 and imgui.small_button("Remove"):
                 model.change(show=shows[:index] + shows[index + 1 :])
             imgui.separator()
@@ -313,6 +326,22 @@ class Panel:
             imgui.push_text_wrap_pos(0.0)
             imgui.text(what)
             imgui.pop_text_wrap_pos()
+
+
+def _choice(title: str, words: tuple[str, ...]) -> str | None:
+    """A menu of known words, for settings that also take others; the one chosen now."""
+    from imgui_bundle import imgui
+
+    chosen = None
+    if imgui.small_button(title):
+        imgui.open_popup(title)
+    imgui.same_line()
+    if imgui.begin_popup(title):
+        for word in words:
+            if imgui.selectable(word, False)[0]:
+                chosen = word
+        imgui.end_popup()
+    return chosen
 
 
 def _unfolded() -> int:
