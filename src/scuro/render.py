@@ -196,6 +196,7 @@ class Renderer:
 
         ``bands`` cuts a picture that could be drawn at once into about so many.
         """
+        settings = with_implied(settings)
         margin = (
             _SCREEN_SPACE
             + borders_reach(settings.borders)

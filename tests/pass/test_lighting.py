@@ -34,3 +34,10 @@ def test_occlusion_leaves_the_directly_lit_part_alone():
     plain = draw(scene, FRONT, **ambient_off).pixels.astype(int)
     occluded = draw(scene, FRONT, occlusion__technique="ray", **ambient_off).pixels
     assert np.abs(plain - occluded).max() == 0
+
+
+def test_flat_light_draws_silhouettes_unless_told_otherwise():
+    scene = scene_of(spheres((0, 0, 0, 1)))
+    outside = draw(scene, FRONT, lighting__preset="flat").pixels[..., 0] < 128
+    bare = draw(scene, FRONT, lighting__preset="flat", borders__width=0.0).pixels[..., 0] < 128
+    assert outside.any() and not bare.any()

@@ -83,14 +83,20 @@ IMPLIED: dict[str, dict[str, str]] = {
 """Techniques that a set-up brings along where the settings say ``auto``; none otherwise."""
 
 
+_SILHOUETTE = 2.5
+"""Width in pixels of the lines without which flat light would show no shape."""
+
+
 def with_implied(settings: Settings) -> Settings:
-    """Settings whose ``auto`` techniques are those that the lighting implies."""
+    """Settings whose ``auto`` techniques, and borders, are those that the lighting implies."""
     implied = IMPLIED.get(settings.lighting.preset, {})
-    changes = {
+    changes: dict[str, Any] = {
         f"{group}__technique": implied.get(group, "none")
         for group in ("occlusion", "shadows")
         if getattr(settings, group).technique == "auto"
     }
+    if settings.borders.width is None:
+        changes["borders__width"] = _SILHOUETTE if settings.lighting.preset == "flat" else 0.0
     return settings.replace(**changes)
 
 

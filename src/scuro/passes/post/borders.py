@@ -11,9 +11,9 @@ from scuro.style.paint import linear_rgba
 class BorderSettings(SettingsGroup):
     """Lines around what stands out from what lies behind it."""
 
-    width: float = setting(
-        0.0,
-        "widest line, in front of the background; 0 draws none",
+    width: float | None = setting(
+        None,
+        "widest line, in front of the background; 0 draws none, as do all lightings but flat",
         low=0,
         high=16,
         unit="px",
