@@ -15,7 +15,7 @@ from scuro.scene.geometry import Body, Geometry
 from scuro.scene.scene import Scene
 
 SIZE = (160, 120)
-FLAT = {"lighting__preset": "flat", "occlusion__technique": "none"}
+FLAT = {"lighting__preset": "flat", "occlusion__technique": "none", "borders__width": 0.0}
 
 
 @pytest.fixture(scope="module")
