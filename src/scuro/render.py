@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -50,7 +51,7 @@ class _Built:
 
 
 _SCREEN_SPACE = 64
-"""Pixels beyond a part that screen-space occlusion and filters may look at."""
+"""Samples beyond a part that screen-space occlusion and filters may look at."""
 
 
 class Renderer:
@@ -198,7 +199,7 @@ class Renderer:
         """
         settings = with_implied(settings)
         margin = (
-            _SCREEN_SPACE
+            _SCREEN_SPACE / settings.antialias.scale
             + borders_reach(settings.borders)
             + halos_reach(settings.halos)
             + focus_reach(settings.depth_of_field)
@@ -208,11 +209,11 @@ class Renderer:
         parts = split(
             size,
             scale=settings.antialias.scale,
-            margin=round(margin),
+            margin=math.ceil(margin),
             max_texture=self.gpu.max_texture,
         )
         if bands > 1 and len(parts) == 1:
-            parts = split_bands(size, margin=round(margin), count=bands)
+            parts = split_bands(size, margin=math.ceil(margin), count=bands)
         if settings.stereo.mode != "side-by-side":
             return parts
         both = [replace(part, eye=-1) for part in parts]

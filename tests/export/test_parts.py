@@ -22,9 +22,9 @@ from scuro.scene.view import ViewSettings, view_camera
 
 @pytest.fixture
 def small_parts(monkeypatch):
-    """As if the GPU could draw 256 × 256 samples at once."""
+    """As if the GPU could draw 352 × 352 samples at once."""
     monkeypatch.setattr(part, "fits", lambda *rest: False)
-    edge = {"edge": 512}
+    edge = {"edge": 352}
     split = part.split
     monkeypatch.setattr(
         sys.modules["scuro.render"], "split", lambda size, **options: split(size, **options | edge)

@@ -70,8 +70,8 @@ class Film:
         except OSError as error:
             raise SaveError(self.folder, f"cannot be made: {error.strerror}") from None
         if known != self._digest:
-            for file in self.folder.glob("[0-9]" * 6 + ".png"):
-                file.unlink()
+            for left in self.folder.glob("[0-9]" * 6 + ".png"):
+                left.unlink()
             with replacing(plan) as file:
                 file.write(json.dumps({"film": self._digest}).encode())
 

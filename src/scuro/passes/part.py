@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from scuro.passes.geometry.tiles import MAX_TILES, TILE
 
-_ALIGN = 64
+_ALIGN = 16
 """Parts begin at multiples of this, so that patterns and reduced pictures continue across them."""
-_EDGE = 2048
+_EDGE = 1280
 """Largest edge of a part in samples: bounds what the GPU holds."""
 
 
@@ -67,16 +67,18 @@ def split(
     width, height = size
     if fits(size, scale, max_texture):
         return [Part((0, 0), size, (0, 0, width, height))]
-    margin = -(-margin // _ALIGN) * _ALIGN
-    step = (min(edge, max_texture) // scale - 2 * margin) // _ALIGN * _ALIGN
-    step = max(step, _ALIGN)
+    margin = _aligned(margin)
+    step = max((min(edge, max_texture) // scale - 2 * margin) // _ALIGN * _ALIGN, _ALIGN)
+    # all parts are of one size, so that one set of textures serves them all; the last of a row may
+    # look a little beyond the picture
+    drawn = (min(step + 2 * margin, width), min(step + 2 * margin, height))
     parts = []
     for top in range(0, height, step):
         for left in range(0, width, step):
-            right, bottom = min(left + step, width), min(top + step, height)
-            x, y = max(left - margin, 0), max(top - margin, 0)
-            drawn = (min(right + margin, width) - x, min(bottom + margin, height) - y)
-            parts.append(Part((x, y), drawn, (left, top, right, bottom)))
+            x = min(max(left - margin, 0), _aligned(width - drawn[0]))
+            y = min(max(top - margin, 0), _aligned(height - drawn[1]))
+            keep = (left, top, min(left + step, width), min(top + step, height))
+            parts.append(Part((x, y), drawn, keep))
     return parts
 
 
@@ -98,3 +100,7 @@ def bands(size: tuple[int, int], *, margin: int, count: int) -> list[Part]:
         drawn = (width, min(bottom + margin, height) - y)
         parts.append(Part((0, y), drawn, (0, top, width, bottom)))
     return parts
+
+
+def _aligned(length: int) -> int:
+    return -(-length // _ALIGN) * _ALIGN

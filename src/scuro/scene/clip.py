@@ -59,7 +59,7 @@ class Clip:
     def keeps(self, points: NDArray) -> NDArray[np.bool_]:
         """(…) whether world points (…, 3) lie on the kept side of every plane."""
         e = self.equations()
-        return (points @ e[:, :3].T + e[:, 3] >= 0).all(axis=-1)
+        return np.all(points @ e[:, :3].T + e[:, 3] >= 0, axis=-1)
 
 
 class Cut(SettingsGroup):

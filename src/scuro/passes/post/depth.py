@@ -21,7 +21,8 @@ def depth_range(frame: Frame) -> tuple[float, float]:
     Clipping planes do not move it: fog must not jump while a plane sweeps through.
     """
     key = (frame.camera, frame.accelerator.bodies)
-    return frame.targets.table("depth_range", key, lambda: _measured(*key))  # type: ignore[no-any-return]
+    found: tuple[float, float] = frame.targets.table("depth_range", key, lambda: _measured(*key))
+    return found
 
 
 def _measured(camera: Camera, bodies: tuple[Body, ...]) -> tuple[float, float]:
