@@ -43,6 +43,7 @@ CELLS_A_PRIMITIVE = 4
 
 _LINEAR = np.arange(256) / 255
 _LINEAR = np.where(_LINEAR <= 0.04045, _LINEAR / 12.92, ((_LINEAR + 0.055) / 1.055) ** 2.4)
+_LINEAR = _LINEAR.astype(np.float16)
 """Linear intensity of an sRGB byte."""
 
 _packed: weakref.WeakKeyDictionary[Geometry, PackedGeometry] = weakref.WeakKeyDictionary()
