@@ -102,8 +102,7 @@ class ReservoirPicture:
         resources = {
             **model.resources,
             "colors": model.colors,
-            "behind": frame.resources["color"],
-            "over": frame.targets.get("reservoir color", frame.size, "rgba16float"),
+            "volume_color": frame.target("volume_color", "rgba16float"),
             "light": self._keep("no light", 0, self._no_light),
             "trilinear_sampler": self.gpu.linear_sampler,
         }
@@ -130,7 +129,9 @@ class ReservoirPicture:
             constants={"PREINTEGRATED": strategy.fast, "LIT": lit},
             label="reservoir",
         )
-        frame.resources["color"] = resources["over"]
+        combined = frame.targets.get("combined with reservoir", frame.size, "rgba16float")
+        frame.compute("passes/reservoir/over.wgsl", {"combined": combined}, label="reservoir over")
+        frame.resources["color"] = combined
 
     def _no_light(self) -> Any:
         return self.gpu.texture((1, 1, 1), "rgba16float", dimension="3d")

@@ -101,7 +101,7 @@ fn preintegrate_cell(ray: Ray, sum: ptr<function, Sum>, column: Column, layer: i
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    let size = textureDimensions(over);
+    let size = textureDimensions(volume_color);
     if (any(id.xy >= size)) {
         return;
     }

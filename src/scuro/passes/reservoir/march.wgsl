@@ -34,12 +34,11 @@ struct March {
 @group(2) @binding(1) var<storage, read> colors: array<vec4f>;
 // depth of opaque surfaces in the fourth component
 @group(2) @binding(2) var surface: texture_2d<f32>;
-// the picture so far, premultiplied
-@group(2) @binding(3) var behind: texture_2d<f32>;
-@group(2) @binding(4) var over: texture_storage_2d<rgba16float, write>;
+// premultiplied linear color, opacity
+@group(2) @binding(3) var volume_color: texture_storage_2d<rgba16float, write>;
 // ambient visibility, and the shadows of three lights
-@group(2) @binding(5) var light: texture_3d<f32>; // filterable
-@group(2) @binding(6) var trilinear_sampler: sampler;
+@group(2) @binding(4) var light: texture_3d<f32>; // filterable
+@group(2) @binding(5) var trilinear_sampler: sampler;
 
 override LIT: bool = false;
 
@@ -104,5 +103,5 @@ fn ray_span(ray: Ray, pixel: vec2u) -> Span {
 fn finish(pixel: vec2u, sum: Sum) {
     // the rest of the way to the cutoff would hardly be seen: take it as passed
     let left = select(sum.transmittance, 0.0, sum.transmittance < march.cutoff);
-    textureStore(over, pixel, vec4f(sum.color, 1.0 - left) + left * textureLoad(behind, pixel, 0));
+    textureStore(volume_color, pixel, vec4f(sum.color, 1.0 - left));
 }

@@ -42,7 +42,7 @@ fn next_candidate(ray: Ray, t_from: f32, t_end: f32) -> f32 {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    let size = textureDimensions(over);
+    let size = textureDimensions(volume_color);
     if (any(id.xy >= size)) {
         return;
     }

@@ -8,7 +8,7 @@
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    let size = textureDimensions(over);
+    let size = textureDimensions(volume_color);
     if (any(id.xy >= size)) {
         return;
     }
