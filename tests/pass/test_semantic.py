@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from scuro.errors import SettingsError
+from scuro.passes.semantic.pipeline import halton_points
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
@@ -350,3 +351,10 @@ def test_traced_parts_of_one_molecule_shade_each_other():
         )  # fmt: skip
         dark.append((1 - gathered[..., 3])[surface[..., 3] > 0].max())
     assert dark[0] < 0.01 < 0.3 < dark[1]
+
+
+def test_halton_points_are_radical_inverses():
+    found = halton_points(1, 6)[:, :3]
+    np.testing.assert_allclose(found[:, 0], [1 / 2, 1 / 4, 3 / 4, 1 / 8, 5 / 8, 3 / 8])
+    np.testing.assert_allclose(found[:3, 1], [1 / 3, 2 / 3, 1 / 9], rtol=1e-6)
+    np.testing.assert_array_equal(halton_points(4, 3), halton_points(1, 6)[3:])

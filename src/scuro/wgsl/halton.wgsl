@@ -2,25 +2,7 @@
 // (Cranley-Patterson), mapped by Malley's method.
 
 //#include "sampling.wgsl"
-
-// Radical inverse of n in base b (equation 2.5).
-fn radical_inverse(base: u32, n: u32) -> f32 {
-    let inverse = 1.0 / f32(base);
-    var digit = inverse;
-    var rest = n;
-    var sum = 0.0;
-    while (rest > 0u) {
-        sum += f32(rest % base) * digit;
-        rest /= base;
-        digit *= inverse;
-    }
-    return sum;
-}
-
-// The n-th Halton point; the third coordinate is for the length of the step.
-fn halton(n: u32) -> vec3f {
-    return vec3f(radical_inverse(2u, n), radical_inverse(3u, n), radical_inverse(5u, n));
-}
+//#include "scene_types.wgsl"
 
 // Three uniform numbers for a pixel.
 fn pixel_noise(pixel: vec2u, seed: u32) -> vec3f {
@@ -34,4 +16,11 @@ fn malley(u: vec2f) -> vec3f {
     let radius = sqrt(u.x);
     let turn = 2.0 * PI * u.y;
     return vec3f(radius * cos(turn), radius * sin(turn), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// Points of this frame (passes/semantic/pipeline.py); the third coordinate is for the step's length.
+@group(3) @binding(2) var halton_points: texture_2d<f32>;
+
+fn halton(index: u32) -> vec3f {
+    return textureLoad(halton_points, table_place(index), 0).xyz;
 }

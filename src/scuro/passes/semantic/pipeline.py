@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
 from scuro.gpu import Gpu
@@ -20,6 +21,7 @@ from scuro.passes.semantic.settings import SemanticSettings
 from scuro.scene.camera import Camera
 from scuro.scene.regions import Hierarchy, level_at
 from scuro.style.hierarchy import hierarchy_colors
+from scuro.trace.table import float_table
 
 ATOM_PIXELS = 12.0
 """The nearest default threshold is where an atom is this many pixels wide."""
@@ -193,6 +195,7 @@ def _calm(frame: Frame, settings: SemanticSettings) -> None:
 def _occlude(frame: Frame, settings: SemanticSettings, calm: dict[str, Any]) -> None:
     frame.target("gathered", "rgba16float", clear=(0, 0, 0, 0))
     frame.target("bounce", "rgba16float", clear=(0, 0, 0, 0))
+    _halton(frame, settings.samples)
     ssdo = {
         "samples": settings.samples,
         "near_radius": settings.near_radius * _atom_radius(frame),
@@ -208,6 +211,28 @@ def _occlude(frame: Frame, settings: SemanticSettings, calm: dict[str, Any]) -> 
     )
 
 
+def _halton(frame: Frame, samples: int) -> None:
+    """Bind ``halton_points``: each further frame takes the next points of the sequence."""
+    first = 1 + int(frame.resources["view"]["frame"]) * samples
+
+    def points() -> Any:
+        return float_table(frame.gpu, halton_points(first, samples), "Halton points")
+
+    frame.resources["halton_points"] = frame.targets.table("halton", (first, samples), points)
+
+
+def halton_points(first: int, count: int) -> NDArray[np.float32]:
+    """(count, 4) points ``first``, … of the Halton sequence in bases 2, 3 and 5 (equation 2.6)."""
+    found = np.zeros((count, 4))
+    for axis, base in enumerate((2, 3, 5)):
+        rest, digit = np.arange(first, first + count), 1.0
+        while rest.any():
+            digit /= base
+            found[:, axis] += rest % base * digit
+            rest //= base
+    return found.astype(np.float32)
+
+
 def _trace(frame: Frame, settings: SemanticSettings, calm: dict[str, Any], here: Place) -> None:
     """Occlusion and shadow in object space; the bounce stays one of screen space."""
     if settings.bounce > 0 and here.depth < 1:
@@ -216,6 +241,7 @@ def _trace(frame: Frame, settings: SemanticSettings, calm: dict[str, Any], here:
         frame.target("bounce", "rgba16float", clear=(0, 0, 0, 0))
     frame.target("gathered", "rgba16float", clear=(0, 0, 0, 0))
     frame.target("lit", "rgba16float", clear=(1, 1, 1, 1))
+    _halton(frame, settings.rays)
     rays = {
         "samples": settings.rays,
         "near_radius": settings.near_radius * _atom_radius(frame),

@@ -82,8 +82,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     var open_sum = 0.0;
     var indirect = vec3f(0.0);
     for (var i = 0u; i < ssdo.samples; i += 1u) {
-        // each further frame takes the next points of the sequence
-        let u = fract(halton(1u + i + view.frame * ssdo.samples) + noise);
+        let u = fract(halton(i) + noise);
         let direction = basis * malley(u.xy);
         var near = 0.0;
         if (near_weight > 0.0) {

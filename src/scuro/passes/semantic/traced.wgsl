@@ -81,7 +81,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     var light = vec3f(0.0);
     var open_sum = 0.0;
     for (var i = 0u; i < rays.samples; i += 1u) {
-        let u = fract(halton(1u + i + view.frame * rays.samples) + noise);
+        let u = fract(halton(i) + noise);
         let ray = Ray(origin, basis * malley(u.xy));
         var open = 1.0;
         if (near_weight > 0.0) {
