@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -147,15 +147,15 @@ def page(options: BenchOptions, command: str) -> Iterator[str]:
                 row.technique: (
                     row.milliseconds,
                     row.notes.get("visibility_rmse"),
-                    row.object and row.object.ssim,
-                    row.object and row.object.delta_e,
+                    row.object.ssim if row.object else None,
+                    row.object.delta_e if row.object else None,
                 )
                 for row in found
             },
         )
 
 
-def grid(heads: Sequence[str], rows: dict[str, tuple[float | None, ...]]) -> str:
+def grid(heads: Sequence[str], rows: Mapping[str, tuple[float | None, ...]]) -> str:
     """A Markdown table; numbers with three significant digits."""
     lines = [f"| {' | '.join(heads)} |", f"|---|{'---:|' * (len(heads) - 1)}"]
     for name, values in rows.items():
