@@ -71,7 +71,7 @@ def plan_grids(
         reach[id(geometry)] = max(reach[id(g)] for g in (geometry, *geometry.levels))
     grids[0], cells = _top_grid(bodies, center, max(reach.values(), default=0.0))
     count = sum(len(body.positions) for body in bodies)
-    items = [np.stack([np.arange(count), np.zeros(count)], 1)]
+    items: list[NDArray] = [np.stack([np.arange(count), np.zeros(count)], 1)]
     slots = 0
     for number, (key, p) in enumerate(packed.items(), start=1):
         first_slots[key], grid_of[key] = slots, number
