@@ -70,23 +70,26 @@ class Page:
 
     def __init__(self, driver, downloads):
         self.driver, self.downloads = driver, downloads
+        self.seen = 0
 
     def _index(self):
-        return int(
+        """Number of the picture that is shown, and whether it is the full one."""
+        return tuple(
             self.driver.execute_script(
                 "const i = document.querySelector('#canvas img');"
-                "return i ? Number(i.dataset.index || 0) : 0"
+                "return i ? [Number(i.dataset.index || 0), i.dataset.full === 'true'] : [0, false]"
             )
         )
 
     def rested(self, timeout=60):
-        """The page's pixels once no new picture has come for a while."""
-        end, last, since = time.time() + timeout, -1, time.time()
+        """The page's pixels when the full picture after the last act has been there a while."""
+        end, last, since = time.time() + timeout, None, time.time()
         while time.time() < end:
-            index = self._index()
-            if index != last:
-                last, since = index, time.time()
-            elif index > 1 and time.time() - since > 1.5:
+            index, full = self._index()
+            if (index, full) != last:
+                last, since = (index, full), time.time()
+            elif full and index > self.seen and time.time() - since > 1.2:
+                self.seen = index
                 shot = self.driver.get_screenshot_as_png()
                 return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"))
             time.sleep(0.1)

@@ -35,8 +35,9 @@ function show (buffer, mimetype, index) {
   view.viewElement.onload = () => {
     if (shown !== null) { URL.revokeObjectURL(shown) }
     shown = source
-    // the number of the picture in the page, for tools that wait for it
+    // for tools that wait for a picture: its number, and whether it is the full one
     view.viewElement.dataset.index = index
+    view.viewElement.dataset.full = mimetype === 'image/png'
     view.onEvent({ type: 'shown', index })
   }
   view.viewElement.src = source
