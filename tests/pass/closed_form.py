@@ -27,6 +27,8 @@ class Seen:
     cap: NDArray
     depth: NDArray = field(repr=False)
     """How deep a cap lies in its solid, 0 at the middle."""
+    inside: NDArray = field(repr=False)
+    """Whether the surface is a mesh seen from behind."""
 
 
 def rays(view_from_world: NDArray, clip_from_view: NDArray, size: tuple[int, int]):
@@ -55,7 +57,7 @@ def trace(bodies: list[Body], clip: Clip, o: NDArray, d: NDArray) -> Seen:
     n = len(o)
     seen = Seen(
         np.full(n, np.inf), np.zeros((n, 3)), *(np.full(n, -1) for _ in range(3)),
-        np.zeros(n, bool), np.full(n, np.inf),
+        np.zeros(n, bool), np.full(n, np.inf), np.zeros(n, bool),
     )  # fmt: skip
     near, far, plane_normal = _kept(clip, o, d)
     instance = 0
@@ -66,6 +68,11 @@ def trace(bodies: list[Body], clip: Clip, o: NDArray, d: NDArray) -> Seen:
             for solid in _solids(body, matrix, position):
                 _consider(seen, solid, o, d, low, high, face, (instance, index))
             instance += 1
+    # the far wall of a closed mesh that a plane opens: the ray passes the plane inside the mesh
+    clipped = np.array([*(b.clipped for b in bodies), False])[seen.object]
+    cap = seen.inside & clipped & (near > 0)
+    seen.t = np.where(cap, near, seen.t)
+    seen.normal = np.where(cap[:, None], plane_normal, seen.normal)
     return seen
 
 
@@ -102,6 +109,9 @@ def _consider(seen, solid, o, d, low, high, face, ids):
         seen.instance[chosen], seen.object[chosen] = ids
         seen.cap[chosen] = capped
         seen.depth[chosen] = depth[chosen]
+        seen.inside[chosen] = False
+        if not (capped or solid.solid):
+            seen.inside[chosen] = solid.from_behind(d[chosen])
 
 
 def _solids(body: Body, matrix: NDArray, position: NDArray):
@@ -259,6 +269,10 @@ class Triangle:
         within = self._weights(o + np.where(finite, t, 0)[:, None] * d).min(axis=1) >= 0
         t = np.where(finite & within, t, np.inf)
         return t, np.where(np.isinf(t), -np.inf, t)
+
+    def from_behind(self, d):
+        a, b, c = self.corners
+        return d @ np.cross(b - a, c - a) > 0
 
     def normal(self, p, d):
         n = self._weights(p) @ self.normals
