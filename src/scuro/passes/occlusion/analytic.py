@@ -48,7 +48,6 @@ def block_analytically(frame: Frame, name: str, neighbours: int, strength: float
         strength: Exponent on the result.
     """
     texels = -(-neighbours // 4)
-    accelerator = frame.accelerator
     resources = {
         "analytic": {
             "texels": texels,
@@ -56,12 +55,16 @@ def block_analytically(frame: Frame, name: str, neighbours: int, strength: float
             "strength": strength,
             "form": int(frame.settings.occlusion.analytic.form == "easdon"),
         },
-        "neighbours": frame.targets.table(
-            "neighbours", (id(accelerator), texels), lambda: _neighbour_table(frame, texels)
-        ),
+        "neighbours": neighbour_table(frame, texels),
         "result": frame.target(name, "r32float", clear=(1, 1, 1, 1)),
     }
     frame.compute_tiles("passes/occlusion/analytic.wgsl", resources, label="occlusion")
+
+
+def neighbour_table(frame: Frame, texels: int) -> Any:
+    """For each slot of the scene, ``texels`` times four slots of the spheres around it."""
+    key = (id(frame.accelerator), texels)
+    return frame.targets.table("neighbours", key, lambda: _neighbour_table(frame, texels))
 
 
 def _neighbour_table(frame: Frame, texels: int) -> Any:

@@ -7,6 +7,7 @@ from importlib import import_module
 
 from scuro.passes.frame import Frame
 from scuro.passes.occlusion.analytic import AnalyticSettings
+from scuro.passes.occlusion.baked import BakedSettings
 from scuro.passes.occlusion.hybrid import HybridSettings
 from scuro.settings import SettingsGroup, setting
 
@@ -14,6 +15,7 @@ TECHNIQUES = {
     "ray": "scuro.passes.occlusion.ray:draw",
     "analytic": "scuro.passes.occlusion.analytic:draw",
     "hybrid": "scuro.passes.occlusion.hybrid:draw",
+    "baked": "scuro.passes.occlusion.baked:draw",
 }
 """Technique by name -> function of a frame that fills the ``visibility`` target."""
 
@@ -42,6 +44,7 @@ class OcclusionSettings(SettingsGroup):
     strength: float = setting(1.0, "exponent on visibility: above 1 darkens creases", low=0, high=8)
     analytic: AnalyticSettings = AnalyticSettings()
     hybrid: HybridSettings = HybridSettings()
+    baked: BakedSettings = BakedSettings()
 
 
 def draw_occlusion(frame: Frame) -> None:

@@ -1,0 +1,203 @@
+"""``baked``: QuteMol's irradiance map (Tarini et al. 2006): visibility in a patch for every atom
+and every bond, gathered once and free at run time.
+
+Patches of spheres unfold as octahedra, those of rods by height and angle, each with a border of
+replicated texels. Every texel sends a ray along one of each pair of opposite directions, weighted
+by the cosine. A geometry of several instances is baked on its first: in an assembly all copies have
+like surroundings. Triangles have no patch and stay open. With more than ``MOST_PATCHES`` primitives
+a patch is one texel, the average over the whole atom.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.passes.frame import Frame
+from scuro.passes.occlusion.analytic import neighbour_table
+from scuro.passes.occlusion.ray import fibonacci_sphere
+from scuro.settings import SettingsGroup, setting
+from scuro.trace.pack import NO_PRIMITIVE, pack_geometry
+from scuro.trace.table import float_table
+
+MOST_PATCHES = 1_000_000
+_NEIGHBOURS = 32
+_LIMIT = 65535 * 64
+
+
+class BakedSettings(SettingsGroup):
+    """Baked occlusion."""
+
+    directions: int = setting(
+        128, "directions in all, in opposite pairs: each texel sees half", low=2, high=8192
+    )
+    megabytes: float = setting(
+        48.0, "most memory for the atlas: decides the size of a patch", low=1, high=4096, unit="MB"
+    )
+    edge: int | None = setting(
+        None, "texels along a patch; from the memory by default", low=1, high=62, unit="texels"
+    )
+
+
+@dataclass(eq=False)
+class Atlas:
+    """Baked visibility of a scene."""
+
+    texture: Any
+    patch_of: Any
+    """Buffer: patch of each slot."""
+    edge: int
+    """Texels along a patch, without its border."""
+    columns: int
+    patches: int
+    directions: int
+    seconds: float
+    """Time that the baking took."""
+
+    @property
+    def bytes(self) -> int:
+        """GPU memory of the atlas."""
+        width, height, _ = self.texture.size
+        return 4 * int(width) * int(height)
+
+
+def draw(frame: Frame) -> None:
+    """Fill ``visibility``, baking first if geometry, clipping or settings changed."""
+    atlas = frame.targets.table("baked", _key(frame), lambda: bake(frame))
+    frame.compute_tiles(
+        "passes/occlusion/baked.wgsl",
+        {
+            "baked": {
+                "edge": atlas.edge,
+                "columns": atlas.columns,
+                "strength": frame.settings.occlusion.strength,
+            },
+            "patch_of": atlas.patch_of,
+            "atlas": atlas.texture,
+            "result": frame.target("visibility", "r32float", clear=(1, 1, 1, 1)),
+        },
+        label="occlusion",
+    )
+
+
+def _key(frame: Frame) -> tuple:
+    planes = np.asarray(frame.resources["scene"]["planes"]).tobytes()
+    return (id(frame.accelerator), planes, frame.settings.occlusion.baked)
+
+
+def bake(frame: Frame) -> Atlas:
+    """Bake all at once."""
+    steps = bake_in_steps(frame)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            atlas: Atlas = end.value
+            return atlas
+
+
+def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Iterator[float]:
+    """Bake a few directions at a time; yields the share that is done, returns the :class:`Atlas`.
+
+    Args:
+        frame: Of the scene; nothing of it is drawn.
+        slice_directions: Directions a step.
+    """
+    start = time.perf_counter()
+    gpu, settings = frame.gpu, frame.settings.occlusion.baked
+    patches, patch_of = _patches(frame)
+    edge = settings.edge or _edge(len(patches), settings.megabytes)
+    wide = edge + 2
+    columns = max(1, min(8192 // wide, len(patches)))
+    rows = max(1, -(-len(patches) // columns))
+    pairs = fibonacci_sphere(settings.directions)[: max(1, settings.directions // 2)]
+    texels = edge * edge * len(patches)
+    atlas = gpu.texture((columns * wide, rows * wide), "r32float", label="baked occlusion")
+    resources = frame.resources | {
+        "patches": gpu.buffer(np.concatenate([patches, np.zeros((1, 2), np.uint32)])),
+        "neighbours": neighbour_table(frame, _NEIGHBOURS // 4),
+        "directions": float_table(
+            gpu,
+            np.concatenate([pairs, np.zeros((len(pairs), 1))], 1).astype(np.float32),
+            "directions",
+        ),
+        "sums": gpu.buffer(8 * max(1, texels), label="baked occlusion"),
+        "atlas": atlas,
+    }
+    uniform = {
+        "edge": edge,
+        "columns": columns,
+        "patches": len(patches),
+        "first": 0,
+        "count": 0,
+        "directions": len(pairs),
+        "texels": _NEIGHBOURS // 4,
+        "offset": 0,
+    }
+
+    def run(entry: str, threads: int, **changes: int) -> None:
+        for offset in range(0, threads, _LIMIT):
+            gpu.compute(
+                "passes/occlusion/bake.wgsl",
+                entry,
+                (min(_LIMIT, threads - offset),),
+                resources | {"bake": uniform | {"offset": offset} | changes},
+                frame.constants,
+            )
+        gpu.finish()
+
+    for first in range(0, len(pairs), slice_directions):
+        run("gather", texels, first=first, count=min(slice_directions, len(pairs) - first))
+        yield min(1.0, (first + slice_directions) / len(pairs))
+    run("finish", wide * wide * len(patches))
+    seconds = time.perf_counter() - start
+    return Atlas(
+        atlas,
+        gpu.buffer(patch_of, label="patches"),
+        edge,
+        columns,
+        len(patches),
+        settings.directions,
+        seconds,
+    )
+
+
+def _edge(patches: int, megabytes: float) -> int:
+    """Texels along a patch: the budget shared out, proportional to √(budget / patches)."""
+    if patches > MOST_PATCHES:
+        return 1
+    return int(np.clip(np.sqrt(megabytes * 2**20 / 4 / max(1, patches)) - 2, 1, 30))
+
+
+def _patches(frame: Frame) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
+    """Primitive and instance (p, 2) of each patch, and the patch of each slot."""
+    accelerator = frame.accelerator
+    total = 1 + max(
+        (
+            accelerator.first_slots[id(b.geometry)] + len(pack_geometry(b.geometry).slots)
+            for b in accelerator.bodies
+        ),
+        default=0,
+    )
+    patch_of = np.full(total, NO_PRIMITIVE, np.uint32)
+    found = [np.zeros((0, 2), np.uint32)]
+    seen: set[int] = set()
+    instance = count = 0
+    for body in accelerator.bodies:
+        key = id(body.geometry)
+        if key not in seen and len(body.positions):
+            seen.add(key)
+            solids = len(body.geometry.spheres) + len(body.geometry.rods)
+            primitives = pack_geometry(body.geometry).primitives[:solids]
+            primitives = primitives + np.uint32(accelerator.first_slots[key])
+            found.append(np.stack([primitives, np.full(solids, instance, np.uint32)], 1))
+            slots = primitives & np.uint32(0x1FFFFFFF)
+            patch_of[slots] = count + np.arange(solids, dtype=np.uint32)
+            count += solids
+        instance += len(body.positions)
+    return np.concatenate(found), patch_of
