@@ -1,7 +1,7 @@
 """wgpu-py's bridge to its native library, made quicker.
 
 Every C type that wgpu-py names for the first time (``"WGPUBufferDescriptor *"``) is parsed by cffi
-together with a line for each of the header's 450 typedefs. Measured: 30 ms a type, 2.5 s of CPU
+together with a line for each of the header's 450 typedefs. Measured: over 30 ms a type, 2 s of CPU
 time in a process that draws one picture. Only the typedefs that the type names are needed.
 """
 
