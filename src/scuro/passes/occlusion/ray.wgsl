@@ -5,7 +5,7 @@
 
 //#include "view.wgsl"
 //#include "tiles.wgsl"
-//#include "trace.wgsl"
+//#include "trace_stream.wgsl"
 //#include "sampling.wgsl"
 
 struct Rays {
@@ -43,9 +43,20 @@ fn visibility_at(pixel: vec2u, place: vec2u) -> f32 {
     let position = scene_position(vec2f(pixel) + 0.5, texel.w);
     let origin = position + texel.xyz * surface_offset(position, texel.w);
     var open = 0.0;
-    for (var i = 0u; i < rays.samples; i += 1u) {
-        let direction = cosine_direction(texel.xyz, direction_at(place, i));
-        open += select(1.0, 0.0, trace_any(Ray(origin, direction), 0.0, rays.distance));
+    var sample = 0u;
+    var direction = cosine_direction(texel.xyz, direction_at(place, sample));
+    var query = any_begin(Ray(origin, direction), 0.0, rays.distance);
+    loop {
+        any_go_on(&query);
+        if (query.ended) {
+            open += select(1.0, 0.0, query.found);
+            sample += 1u;
+            if (sample >= rays.samples) {
+                break;
+            }
+            direction = cosine_direction(texel.xyz, direction_at(place, sample));
+            query = any_begin(Ray(origin, direction), 0.0, rays.distance);
+        }
     }
     return pow(open / f32(rays.samples), rays.strength);
 }
