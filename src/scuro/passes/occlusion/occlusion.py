@@ -9,6 +9,7 @@ from scuro.passes.frame import Frame
 from scuro.passes.occlusion.analytic import AnalyticSettings
 from scuro.passes.occlusion.baked import BakedSettings
 from scuro.passes.occlusion.hybrid import HybridSettings
+from scuro.passes.occlusion.screen import ScreenSettings
 from scuro.settings import SettingsGroup, setting
 
 TECHNIQUES = {
@@ -16,6 +17,9 @@ TECHNIQUES = {
     "analytic": "scuro.passes.occlusion.analytic:draw",
     "hybrid": "scuro.passes.occlusion.hybrid:draw",
     "baked": "scuro.passes.occlusion.baked:draw",
+    "ssao": "scuro.passes.occlusion.screen:draw_ssao",
+    "hbao": "scuro.passes.occlusion.screen:draw_hbao",
+    "gtao": "scuro.passes.occlusion.screen:draw_gtao",
 }
 """Technique by name -> function of a frame that fills the ``visibility`` target."""
 
@@ -45,6 +49,7 @@ class OcclusionSettings(SettingsGroup):
     analytic: AnalyticSettings = AnalyticSettings()
     hybrid: HybridSettings = HybridSettings()
     baked: BakedSettings = BakedSettings()
+    screen: ScreenSettings = ScreenSettings()
 
 
 def draw_occlusion(frame: Frame) -> None:

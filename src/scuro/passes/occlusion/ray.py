@@ -75,7 +75,7 @@ def trace_visibility(
                 "strength": strength,
                 "offset": index % 4,
             },
-            "directions": _direction_table(frame, samples if interleaved else 1, index),
+            "directions": direction_table(frame, samples if interleaved else 1, index),
             "result": target,
         },
         entry="half" if half else "main",
@@ -84,7 +84,8 @@ def trace_visibility(
     )
 
 
-def _direction_table(frame: Frame, samples: int, index: int) -> object:
+def direction_table(frame: Frame, samples: int, index: int) -> object:
+    """The table of :func:`class_directions` for a frame."""
     key = (samples, index, frame.settings.seed)
     return frame.targets.table(
         "directions", key, lambda: float_table(frame.gpu, class_directions(*key), "directions")
