@@ -175,7 +175,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("inputs", nargs="*")
     parser.add_argument("--size", default="1280x720")
     parser.add_argument("--frames", type=int, default=3)
-    given = parser.parse_args(arguments)
+    given = parser.parse_intermixed_args(arguments)
     width, height = (int(part) for part in given.size.split("x"))
     options = BenchOptions(
         tuple(given.inputs), (width, height), given.frames,
