@@ -88,10 +88,13 @@ def test_compare_holds_the_deferred_picture_to_the_path_tracer(tmp_path):
 
 
 def test_the_results_page_has_every_table_beside_the_thesis(tmp_path):
-    from scuro.measure.results import main
+    from scuro.measure.results.__main__ import main
 
-    main([str(tmp_path / "results.md"), "sample:1hpv", "--size", "48x36", "--frames", "1"])
-    text = (tmp_path / "results.md").read_text()
+    page = tmp_path / "results.md"
+    page.write_text("# Results\n\n## Molecules: occlusion and shadows\n\nold\n\n## Gone\n\nx\n")
+    main(["molecules", "sample:1hpv", "-o", str(page), "--size", "48x36", "--frames", "1"])
+    text = page.read_text()
+    assert "old" not in text and "## Gone" not in text
     for number in ("Table 4.1", "Table 4.3", "Table 5.2", "Table 5.3", "Figure 4.9"):
         assert number in text
     assert "| 1AON, 58,870 | 38 | 50.1 |" in text and "| sample:1hpv | " in text

@@ -12,6 +12,7 @@ import statistics
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from scuro.errors import SettingsError
 from scuro.settings import unknown
@@ -28,6 +29,11 @@ class BenchOptions:
     device: str | None = None
     say: Callable[[str], None] = lambda text: None
     """Tells people what is measured just now."""
+
+
+def label(name: str) -> str:
+    """What tables call an input: a file without its folder, which is another on each machine."""
+    return name if name.startswith("sample:") else Path(name).name
 
 
 def names() -> list[str]:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from scuro.measure.bench import BenchOptions, median_seconds
+from scuro.measure.bench import BenchOptions, label, median_seconds
 from scuro.measure.memory import peak_memory_mb
 from scuro.render import Renderer
 from scuro.render_settings import Settings
@@ -53,7 +53,7 @@ def scenes(options: BenchOptions) -> Any:
         from scuro.load import load
 
         for name in options.inputs:
-            yield name, Scene().add(load(name)).show("spacefill")
+            yield label(name), Scene().add(load(name)).show("spacefill")
         return
     for count in _SIZES:
         yield f"droplet {count:,}", droplets(count, 1)

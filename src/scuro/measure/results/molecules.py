@@ -1,26 +1,23 @@
-"""``docs/results.md``: this program's numbers beside those of Easdon's thesis (2013).
+"""Molecules: occlusion, shadows and path tracing beside the tables of Easdon's thesis (2013).
 
-Without inputs it measures droplets of 300 to 1,000,000 atoms, which are made anywhere:
-
-    python -m scuro.measure.results docs/results.md [--size WxH] [--frames N] [IN...]
+Without inputs it measures droplets of 300 to 1,000,000 atoms, which are made anywhere.
 """
 
 from __future__ import annotations
 
-import argparse
-import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from scuro.export.files import replacing
 from scuro.measure.bench import BenchOptions
 from scuro.measure.bench.visibility import scenes
 from scuro.measure.compare import Variant, compare, draw
+from scuro.measure.results.page import grid
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.view import ViewSettings, view_camera
+
+TITLE = "Molecules: occlusion and shadows"
 
 THESIS: dict[str, dict[str, tuple[float, ...]]] = {
     "4.1": {
@@ -95,16 +92,14 @@ def occlusion_variants() -> list[Variant]:
     return [*FIGURE_4_9, *(Variant(name, {_AO: name}) for name in TECHNIQUES if name != "ray")]
 
 
-def page(options: BenchOptions, command: str) -> Iterator[str]:
-    """The page's paragraphs, measured as they are asked for."""
+def section(options: BenchOptions) -> Iterator[str]:
+    """The section's paragraphs, measured as they are asked for."""
     renderer = Renderer(options.device)
     width, height = options.size
     named = list(scenes(options))
-    yield "# Results"
     yield (
-        f"Measured by `{command}` on {renderer.gpu.info} at {width} × {height}: the median of "
-        f"{options.frames} frames. Beside each table stand the numbers that Easdon (2013) printed "
-        "for an ATI Mobility Radeon HD 5650."
+        "Beside each table stand the numbers that Easdon (2013) printed for an ATI Mobility Radeon "
+        "HD 5650."
     )
     settings = Settings(size=options.size).replace(lighting__preset="simple")
     for table in TABLES:
@@ -124,11 +119,11 @@ def page(options: BenchOptions, command: str) -> Iterator[str]:
                 )
                 for column, changes in table.columns.items()
             )
-        yield f"## {table.title} (Table {table.number})"
+        yield f"### {table.title} (Table {table.number})"
         heads = [f"{column} [{table.unit}]" for column in table.columns]
         yield grid(["here", *heads], rows)
         yield grid(["Easdon 2013", *heads], THESIS[table.number])
-    yield "## Techniques of ambient occlusion against 1024 rays (Figure 4.9)"
+    yield "### Techniques of ambient occlusion against 1024 rays (Figure 4.9)"
     yield (
         "Milliseconds are whole frames. RMSE is of the visibility itself; SSIM and mean CIE ΔE2000 "
         "are of the picture over the molecule's pixels."
@@ -140,7 +135,7 @@ def page(options: BenchOptions, command: str) -> Iterator[str]:
             renderer, scene, camera, settings, occlusion_variants(), _REFERENCE,
             frames=options.frames,
         )  # fmt: skip
-        yield f"### {name}"
+        yield f"#### {name}"
         yield grid(
             ["technique", "ms", "RMSE", "SSIM", "ΔE2000"],
             {
@@ -153,40 +148,3 @@ def page(options: BenchOptions, command: str) -> Iterator[str]:
                 for row in found
             },
         )
-
-
-def grid(heads: Sequence[str], rows: Mapping[str, tuple[float | None, ...]]) -> str:
-    """A Markdown table; numbers with three significant digits."""
-    lines = [f"| {' | '.join(heads)} |", f"|---|{'---:|' * (len(heads) - 1)}"]
-    for name, values in rows.items():
-        cells = ["" if v is None else _three_digits(v) for v in values]
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    return "\n".join(lines)
-
-
-def _three_digits(value: float) -> str:
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Measure and write the page."""
-    parser = argparse.ArgumentParser(prog="python -m scuro.measure.results")
-    parser.add_argument("output", type=Path)
-    parser.add_argument("inputs", nargs="*")
-    parser.add_argument("--size", default="1280x720")
-    parser.add_argument("--frames", type=int, default=3)
-    given = parser.parse_intermixed_args(arguments)
-    width, height = (int(part) for part in given.size.split("x"))
-    options = BenchOptions(
-        tuple(given.inputs), (width, height), given.frames,
-        say=lambda text: print(text, file=sys.stderr),
-    )  # fmt: skip
-    inputs = "".join(f" {name}" for name in given.inputs)
-    command = f"python -m scuro.measure.results docs/results.md --size {given.size}{inputs}"
-    text = "\n\n".join(page(options, command))
-    with replacing(given.output) as file:
-        file.write(text.encode() + b"\n")
-
-
-if __name__ == "__main__":
-    main()
