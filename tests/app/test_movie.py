@@ -149,7 +149,8 @@ def test_halfway_between_cameras_and_settings():
     a, b = Camera((0, 0, 10)), Camera((10, 0, 0))
     assert between(a, b, 0.5).distance == pytest.approx(10)
     assert between(a, b, 0.0).position == pytest.approx(a.position)
-    first, second = Settings(), Settings().replace(fog__strength=1.0, antialias__method="2x")
+    plain = Settings().replace(antialias__method="none")
+    first, second = plain, plain.replace(fog__strength=1.0, antialias__method="2x")
     half = blended(first, second, 0.25)
     assert half.fog.strength == 0.25 and half.antialias.method == "none"
     assert blended(first, second, 1.0) == second

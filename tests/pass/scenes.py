@@ -59,7 +59,8 @@ def oblique(distance: float = 12.0, target=(0, 0, 0)) -> Camera:
 
 def draw(scene: Scene, camera: Camera, size=(96, 72), **changes):
     """The picture; its buffers are behind it until the next one is drawn."""
-    return renderer().render(scene, camera, Settings(size=size).replace(**changes))
+    settings = Settings(size=size).replace(antialias__method="none")
+    return renderer().render(scene, camera, settings.replace(**changes))
 
 
 def walls(half: float, top: float) -> Body:

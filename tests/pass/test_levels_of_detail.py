@@ -75,7 +75,7 @@ def crowd() -> Scene:
 
 def picture(renderer: Renderer, scene: Scene, distance: float, shift: float = 0, **changes):
     camera = Camera((shift, 0, distance), (shift, 0, 0), (0, 1, 0), 30)
-    settings = Settings(size=(120, 90)).replace(**changes)
+    settings = Settings(size=(120, 90)).replace(**{"lighting__preset": "studio", **changes})
     return np.asarray(renderer.render(scene, camera, settings))[..., :3] / 255.0
 
 

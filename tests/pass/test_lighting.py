@@ -24,7 +24,7 @@ def test_full_brings_occlusion_and_shadows_that_settings_can_refuse():
     assert with_implied(full).shadows.technique != "none"
     refused = with_implied(full.replace(occlusion__technique="none", shadows__technique="none"))
     assert refused.occlusion.technique == refused.shadows.technique == "none"
-    studio = with_implied(Settings())
+    studio = with_implied(Settings().replace(lighting__preset="studio"))
     assert studio.occlusion.technique == studio.shadows.technique == "none"
 
 

@@ -15,7 +15,10 @@ from scuro.scene.geometry import Body, Geometry
 from scuro.scene.scene import Scene
 
 SIZE = (160, 120)
-FLAT = {"lighting__preset": "flat", "occlusion__technique": "none", "borders__width": 0.0}
+FLAT = {
+    "lighting__preset": "flat", "occlusion__technique": "none", "borders__width": 0.0,
+    "antialias__method": "none",
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")

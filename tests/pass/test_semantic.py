@@ -76,7 +76,8 @@ def settings_of(**changes) -> Settings:
         "shadow": 0.0,
         "calm": 0.0,
     } | changes
-    return Settings(size=SIZE).replace(**{f"semantic__{k}": v for k, v in base.items()})
+    semantic = {f"semantic__{k}": v for k, v in base.items()}
+    return Settings(size=SIZE).replace(antialias__method="none", **semantic)
 
 
 CAMERA = Camera((0, 0, 60), (0, 0, 0), (0, 1, 0), 30)

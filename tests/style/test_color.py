@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from scuro.errors import SettingsError
+from scuro.scene.molecule import LIGAND
 from scuro.style import palettes
 from scuro.style.color import (
     ALIASES,
@@ -16,6 +17,7 @@ from scuro.style.color import (
     atom_colors,
     parse_color,
     parse_scheme,
+    polymer_atoms,
     scheme_names,
 )
 from scuro.style.elements import NUMBER_OF, SYMBOLS
@@ -148,3 +150,13 @@ def test_radii_are_bondis(mixture):
 def test_radii_of_the_file_come_first(mixture):
     own = np.full(len(mixture), 5.0, np.float32)
     assert (atom_radii(replace(mixture, radius=own)) == own).all()
+
+
+def test_auto_shows_chains_of_a_complex_and_elements_of_all_else(mixture):
+    auto, chains = atom_colors(mixture, "auto"), atom_colors(mixture, "chain")
+    elements, polymer = atom_colors(mixture, "element"), polymer_atoms(mixture)
+    assert (auto[polymer] == chains[polymer]).all() and (auto[~polymer] == elements[~polymer]).all()
+    one = replace(mixture, kind=np.where(mixture.chain == 1, LIGAND, mixture.kind).astype(np.uint8))
+    auto, by_chain = atom_colors(one, "auto"), polymer_atoms(one) & (one.element == 6)
+    assert (auto[by_chain] == chains[by_chain]).all()
+    assert (auto[~by_chain] == elements[~by_chain]).all()

@@ -48,7 +48,7 @@ class Show(SettingsGroup):
     style: str = setting(
         "auto", "spacefill, ball+stick, licorice, backbone, cartoon, or auto: by content and size"
     )
-    color: str = setting("element", "color scheme, color name or #rrggbb")
+    color: str = setting("auto", "color scheme, color name or #rrggbb")
     select: str = setting("all", "which atoms, in PyMOL's words")
     opacity: float = setting(1.0, "1 is solid", low=0, high=1)
     optional: bool = setting(False, "leave it out where the selection matches nothing")

@@ -29,7 +29,7 @@ class Shown:
 
     style: str = "auto"
     select: str = "all"
-    color: str = "element"
+    color: str = "auto"
     material: Material = field(default_factory=Material)
     clipped: bool = True
     options: tuple[tuple[str, Any], ...] = ()
@@ -167,7 +167,7 @@ class Scene:
         style: str = "auto",
         *,
         select: str = "all",
-        color: str = "element",
+        color: str = "auto",
         material: Material | None = None,
         clipped: bool = True,
         molecule: int | None = None,

@@ -24,7 +24,7 @@ from scuro.style import palettes
 CARBON, UNKNOWN_ELEMENT = 6, 0
 
 
-def atom_colors(molecule: Molecule, scheme: str = "element") -> NDArray[np.uint8]:
+def atom_colors(molecule: Molecule, scheme: str = "auto") -> NDArray[np.uint8]:
     """Base colour (n, 4) of every atom, sRGB with full alpha, by a scheme (see the module).
 
     Raises:
@@ -132,6 +132,17 @@ def by_residue(molecule: Molecule) -> NDArray[np.uint8]:
     return _by_residue_name(molecule, palettes.residues(), palettes.OTHER_RESIDUE)
 
 
+def by_content(molecule: Molecule) -> NDArray[np.uint8]:
+    """What says most at first sight: chains of a complex, elements of all else.
+
+    A polymer alone keeps its chain's colour on carbon; ligands, ions and waters show elements.
+    """
+    polymer = polymer_atoms(molecule)
+    several = len(np.unique(molecule.chain[polymer])) > 1
+    by_chains = polymer & (several | (molecule.element == CARBON))
+    return np.where(by_chains[:, None], by_chain(molecule), by_element(molecule))
+
+
 def by_secondary(molecule: Molecule) -> NDArray[np.uint8]:
     """Helix, strand and coil of proteins; nucleic acids in one colour, the rest by element."""
     kind = molecule.kind[:, None]
@@ -202,6 +213,7 @@ VALUES: dict[str, _Quantity] = {
 """Schemes that go through a colour map. Atoms without a value are coloured by element."""
 
 CATEGORIES: dict[str, Callable[[Molecule], NDArray[np.uint8]]] = {
+    "auto": by_content,
     "element": by_element,
     "cpk": by_cpk,
     "chain": by_chain,

@@ -13,9 +13,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from scuro.errors import SettingsError
 from scuro.settings import unknown
+
+if TYPE_CHECKING:
+    from scuro.render_settings import Settings
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,12 @@ class BenchOptions:
     device: str | None = None
     say: Callable[[str], None] = lambda text: None
     """Tells people what is measured just now."""
+
+    def plain(self) -> Settings:
+        """Direct light alone, at the size asked for: what single techniques are added to."""
+        from scuro.render_settings import Settings
+
+        return Settings(size=self.size).replace(lighting__preset="studio", antialias__method="none")
 
 
 def label(name: str) -> str:

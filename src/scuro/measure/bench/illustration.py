@@ -58,7 +58,7 @@ def _frames(renderer: Renderer, name: str, options: BenchOptions) -> list[dict[s
     document = SceneFile((Input(path=name),), (Show(style="spacefill"),))
     scene = document.scene()
     camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
-    base = Settings(size=options.size).replace(lighting__preset="simple")
+    base = options.plain().replace(lighting__preset="simple")
     together = {key: value for changes in _POST.values() for key, value in changes.items()}
     variants = {"plain": {}, **_POST, "all post passes": together,
                 "depth of field": {"depth_of_field__blur": 6.0},

@@ -52,10 +52,10 @@ def run(options: BenchOptions) -> dict[str, Any]:
         accelerator = renderer.accelerator(scene)
         renderer.gpu.finish()
         built = time.perf_counter() - start
-        camera = renderer.fitted(scene, Settings(size=options.size))
+        camera = renderer.fitted(scene, options.plain())
         for part, changes in PARTS.items():
             options.say(f"{name}, {part}")
-            base = Settings(size=options.size).replace(semantic__mode="screen")
+            base = options.plain().replace(semantic__mode="screen")
             settings = base.replace(**changes)
 
             def draw(settings: Settings = settings, renderer: Renderer = renderer) -> Any:

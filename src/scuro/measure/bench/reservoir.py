@@ -64,9 +64,7 @@ def _strategies(
     rows, reference = [], None
     for way, changes in _WAYS.items():
         options.say(f"{name}, {way}")
-        settings = Settings(size=options.size).replace(
-            **{f"strategy__{k}": v for k, v in changes.items()}
-        )
+        settings = options.plain().replace(**{f"strategy__{k}": v for k, v in changes.items()})
         camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
         draw = partial(_draw, renderer, scene, camera, settings)
         seconds = median_seconds(draw, options.frames)
@@ -133,9 +131,7 @@ def _large(renderer: Renderer, options: BenchOptions) -> list[dict[str, Any]]:
         grid = load(path)
         reading = time.perf_counter() - start
     scene = Scene().add(grid)
-    settings = Settings(size=options.size).replace(
-        reservoir__show="volume", reservoir__property="DEPTH"
-    )
+    settings = options.plain().replace(reservoir__show="volume", reservoir__property="DEPTH")
     start = time.perf_counter()
     camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
     _draw(renderer, scene, camera, settings)

@@ -44,7 +44,7 @@ def run(options: BenchOptions) -> dict[str, Any]:
 def _measure(
     renderer: Renderer, name: str, scene: Scene, options: BenchOptions
 ) -> list[dict[str, Any]]:
-    plain = Settings(size=options.size).replace(occlusion__technique="none")
+    plain = options.plain()
     camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
     options.say(f"{name}, truth")
     image = renderer.render(scene, camera, plain.replace(**_TRUTH))

@@ -15,7 +15,6 @@ import numpy as np
 from scuro.measure.bench import BenchOptions, label, median_seconds
 from scuro.measure.memory import peak_memory_mb
 from scuro.render import Renderer
-from scuro.render_settings import Settings
 from scuro.scene.geometry import Body, Geometry
 from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings, view_camera
@@ -91,7 +90,7 @@ def droplets(atoms: int, copies: int) -> Scene:
 def _measure(
     renderer: Renderer, scene: Scene, way: str, options: BenchOptions, *, skip_raster: bool
 ) -> dict[str, Any] | None:
-    settings = Settings(size=options.size, visibility=way)
+    settings = options.plain().replace(visibility=way)
     camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
     start = time.perf_counter()
     accelerator = renderer.accelerator(scene)

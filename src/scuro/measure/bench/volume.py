@@ -55,7 +55,7 @@ def run(options: BenchOptions) -> dict[str, Any]:
     rows = []
     for name, volume, size, step in _volumes(options):
         scene = Scene([]).add(volume)
-        base = Settings(size=size).replace(volume__step=step, volume__jitter=0.0)
+        base = options.plain().replace(size=size, volume__step=step, volume__jitter=0.0)
         options.say(f"{name}: pyramid")
         rows.append(_prepare(renderer, scene, base, name))
         truths: dict[str, Any] = {}

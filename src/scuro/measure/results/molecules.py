@@ -14,7 +14,6 @@ from scuro.measure.bench.visibility import scenes
 from scuro.measure.compare import Variant, compare, draw
 from scuro.measure.results.page import grid
 from scuro.render import Renderer
-from scuro.render_settings import Settings
 from scuro.scene.view import ViewSettings, view_camera
 
 TITLE = "Molecules: occlusion and shadows"
@@ -101,7 +100,7 @@ def section(options: BenchOptions) -> Iterator[str]:
         "Beside each table stand the numbers that Easdon (2013) printed for an ATI Mobility Radeon "
         "HD 5650."
     )
-    settings = Settings(size=options.size).replace(lighting__preset="simple")
+    settings = options.plain().replace(lighting__preset="simple")
     for table in TABLES:
         rows = {}
         for name, scene in named:

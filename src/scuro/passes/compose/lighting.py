@@ -104,7 +104,7 @@ class LightingSettings(SettingsGroup):
     """Light: a named set-up and corrections to it."""
 
     preset: str = setting(
-        "studio",
+        "full",
         "set-up of lights; full, soft and gentle bring their occlusion and shadows along",
         choices=tuple(PRESETS),
         main=True,

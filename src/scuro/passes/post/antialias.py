@@ -10,7 +10,7 @@ class AntialiasSettings(SettingsGroup):
     """Smooth edges."""
 
     method: str = setting(
-        "none",
+        "fxaa",
         "fxaa smooths the finished picture; 2x, 3x and 4x draw it so many times larger and filter "
         "it down",
         choices=("none", "fxaa", "2x", "3x", "4x"),
