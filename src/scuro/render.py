@@ -87,6 +87,7 @@ class Renderer:
     def restart(self) -> None:
         """Forget what earlier frames of the same picture gathered: path tracing starts again."""
         self._paths = PathTracer()
+        self._volumes.restart()
 
     def sibling(self) -> Renderer:
         """A renderer for another view of the same scene.

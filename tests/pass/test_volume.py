@@ -284,7 +284,7 @@ def test_image_and_object_space_agree(gpu):
 def test_monte_carlo_agrees_with_beer_lambert(gpu):
     """A slab seen from the front: the visibility of its last sample is the slab's transmittance."""
     volume = solid((20, 40, 40))
-    settings = VolumeSettings(shading="none", jitter=0.0, light="monte-carlo", rays=64).replace(
+    settings = VolumeSettings(shading="none", jitter=0.0, light="monte-carlo", samples=64).replace(
         occlusion__angle=1.0, occlusion__length=2.0
     )
     image, _, _ = draw(gpu, volume, settings, ramp(0.1), size=(8, 8))

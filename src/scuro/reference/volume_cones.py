@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from scuro.gpu import Recorder
+from scuro.reference.volume_sums import RunningSums
 
 if TYPE_CHECKING:
     from scuro.passes.volume.grid import VolumeGrid
@@ -29,9 +30,10 @@ def draw_monte_carlo(
     grid: VolumeGrid,
     settings: VolumeSettings,
     size: tuple[int, int],
-    sums: Any,
+    sums: RunningSums,
+    key: Any,
 ) -> None:
-    """Record the volume's picture with every cone sampled by ``settings.rays`` rays.
+    """Record the volume's picture with every cone sampled by ``settings.samples`` rays.
 
     Args:
         record: Where to.
@@ -40,20 +42,22 @@ def draw_monte_carlo(
         grid: The volume.
         settings: Cones' angles and lengths, and the number of rays.
         size: Width and height of the picture.
-        sums: Buffer of 16 bytes a pixel.
+        sums: The running sums.
+        key: Everything that the picture depends on but the number of samples.
     """
     shader = "reference/volume_cones.wgsl"
-    count = -(-settings.rays // RAYS_A_DISPATCH)
     truth = {
         "sines": [math.sin(math.radians(k.angle)) for k in (settings.occlusion, settings.shadow)],
         "reaches": [k.length * grid.diagonal for k in (settings.occlusion, settings.shadow)],
-        "rays": min(settings.rays, RAYS_A_DISPATCH),
-        "dispatches": count,
+        "total": settings.samples,
         "seed": 0,
         "gap": GAP * grid.voxel,
         "step": STEP * grid.voxel,
     }
-    for i in range(count):
-        bound = {**resources, "truth": {**truth, "dispatch": i}, "sums": sums}
+    bound = {**resources, "truth": {**truth, "first": 0, "rays": 0}}
+    for first, rays in sums.missing(key, size, settings.samples, RAYS_A_DISPATCH):
+        now = {**truth, "first": first, "rays": rays}
+        bound = {**resources, "truth": now, "sums": sums.buffer}
         record.compute(shader, "main", size, bound, constants, label="volume truth")
+    bound["sums"] = sums.buffer
     record.compute(shader, "finish", size, bound, constants, label="volume truth")

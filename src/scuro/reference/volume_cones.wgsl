@@ -2,6 +2,7 @@
 // (Campagnolo 2021, equations 3-6 and 3-7), from every sample of every ray of the picture. Each
 // dispatch adds a few rays a sample to the sum; `finish` takes the mean.
 
+//#include "../passes/volume/march.wgsl"
 //#include "../passes/volume/lit.wgsl"
 
 struct Truth {
@@ -9,10 +10,10 @@ struct Truth {
     sines: vec2f,
     // cones' lengths in scene units
     reaches: vec2f,
-    // rays a cone and dispatch
+    // rays a cone in this dispatch, before it, and in all
     rays: u32,
-    dispatch: u32,
-    dispatches: u32,
+    first: u32,
+    total: u32,
     seed: u32,
     // distance of the first sample and between samples, scene units
     gap: f32,
@@ -107,7 +108,7 @@ fn light_at(point: Point) -> vec3f {
         let wanted = select(SHADOWS && layer >= 0 && layer < 3, OCCLUSION, kind == 0u);
         var sum = 0.0;
         for (var i = 0u; wanted && i < truth.rays; i++) {
-            let n = (truth.dispatch * truth.rays + i) * 4u + kind;
+            let n = (truth.first + i) * 4u + kind;
             let bits = hash3(vec3u(pixel, bitcast<u32>(point.t), n * 7919u + truth.seed));
             let random = vec2f(bits.xy >> vec2u(8u)) / 16777216.0;
             sum += transmittance(point.position, in_cone(axis, sine, random), reach);
@@ -129,7 +130,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     let at = id.y * march.width + id.x;
     let result = integrate(id.xy);
-    sums[at] = select(vec4f(0.0), sums[at], truth.dispatch > 0u) + result.color;
+    let before = select(vec4f(0.0), sums[at], truth.first > 0u);
+    sums[at] = before + f32(truth.rays) * result.color;
     let forward = -view_ray(vec2f(id.xy) + 0.5).direction.z;
     textureStore(volume_depth, id.xy, vec4f(result.t * forward));
 }
@@ -139,6 +141,6 @@ fn finish(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= march.width || id.y >= march.height) {
         return;
     }
-    let mean = sums[id.y * march.width + id.x] / f32(truth.dispatches);
+    let mean = sums[id.y * march.width + id.x] / f32(truth.total);
     textureStore(volume_color, id.xy, mean);
 }

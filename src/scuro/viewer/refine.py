@@ -73,6 +73,8 @@ def _samples(settings: Settings) -> Iterator[tuple[str, int | None]]:
     for path, group in _groups(settings):
         switch = _switch(type(group))
         off = switch is not None and getattr(group, switch.name) in (False, *_OFF)
+        if not getattr(group, "sampled", True):
+            continue
         if off or any(path[0] in words and word != path[0] for words, word in chosen):
             continue
         for p in parameters(type(group)):

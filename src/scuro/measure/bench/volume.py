@@ -144,7 +144,7 @@ def _measure(
         return _row(name, method, size, seconds, None, None)
     small = settings.replace(size=(width // _TRUTH_SHARE, height // _TRUTH_SHARE))
     if kind not in truths:
-        truth = small.replace(volume__light="monte-carlo", volume__rays=_TRUTH_RAYS)
+        truth = small.replace(volume__light="monte-carlo", volume__samples=_TRUTH_RAYS)
         start = time.perf_counter()
         picture = renderer.render(scene, camera, truth)
         truths[kind] = picture.pixels, picture.buffer("volume_opacity") > 0.02

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,10 +14,13 @@ from scuro.passes.volume.classify import Classified
 from scuro.passes.volume.grid import VolumeGrid
 from scuro.passes.volume.light import LightTexture, cone_kinds, light_constants
 from scuro.passes.volume.pyramid import Pyramid
-from scuro.passes.volume.settings import PEERS, VolumeSettings
+from scuro.passes.volume.settings import MONTE_CARLO, PATHS, PEERS, SLICES, VolumeSettings
+from scuro.passes.volume.slices import SliceBuffers, draw_slices
 from scuro.passes.volume.solids import solid_fraction, texels_for
 from scuro.passes.volume.summed import summed_table
 from scuro.reference.volume_cones import draw_monte_carlo
+from scuro.reference.volume_path import draw_paths
+from scuro.reference.volume_sums import RunningSums
 from scuro.scene.clip import Clip
 from scuro.scene.geometry import Body
 from scuro.scene.volume import Volume
@@ -39,6 +42,11 @@ class VolumePicture:
     def __post_init__(self) -> None:
         self.grid = VolumeGrid(self.gpu, self.volume, self.center)
         self._kept: dict[str, tuple[Any, Any]] = {}
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget what earlier frames of the same picture gathered."""
+        self._sums = RunningSums(self.gpu)
 
     def _keep(self, name: str, key: Any, make: Any) -> Any:
         """The value made last under ``name`` if its key is the same, else a new one."""
@@ -211,23 +219,27 @@ class VolumePicture:
             "PHONG": settings.shading == "phong",
             "SHADOWED": settings.shadow.on,
         }
-        if lighted and settings.light == "monte-carlo":
-            sums = self._keep(
-                "sums", size, lambda: self.gpu.buffer(16 * size[0] * size[1], label="volume truth")
-            )
+        same = (
+            settings.replace(samples=1), transfer, clip, solids, resources["surface"],
+            _frozen(view), _frozen(lights),
+        )  # fmt: skip
+        if settings.light == PATHS:
+            draw_paths(record, resources, constants, classified, settings, size, self._sums, same)
+            return
+        if lighted and settings.light == MONTE_CARLO:
+            constants |= light_constants(settings)
             draw_monte_carlo(
-                record,
-                resources,
-                {**constants, **light_constants(settings)},
-                self.grid,
-                settings,
-                size,
-                sums,
+                record, resources, constants, self.grid, settings, size, self._sums, same
             )
             return
         if lighted:
             pyramid = self.pyramid(classified, settings, clip, solids)
             resources |= self.cones(settings, pyramid, clip)
+        if settings.occlusion.on and settings.light == SLICES:
+            buffers = self._keep("slices", size, lambda: SliceBuffers(self.gpu, size))
+            constants |= light_constants(settings) | {"OCCLUSION": False}
+            draw_slices(record, resources, constants, self.grid, settings, size, buffers)
+            return
         if lighted and settings.light == "image":
             record.compute(
                 "passes/volume/raycast_cones.wgsl",
@@ -257,3 +269,12 @@ class VolumePicture:
 
     def _no_light(self) -> Any:
         return self.gpu.texture((1, 1, 1), "rgba16float", dimension="3d")
+
+
+def _frozen(value: Any) -> Any:
+    """A uniform's fields as something that can be compared."""
+    if isinstance(value, Mapping):
+        return tuple((key, _frozen(part)) for key, part in value.items())
+    if isinstance(value, list):
+        return tuple(map(_frozen, value))
+    return np.asarray(value).tobytes()

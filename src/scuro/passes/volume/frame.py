@@ -23,6 +23,11 @@ class Volumes:
     def __init__(self) -> None:
         self._picture: VolumePicture | None = None
 
+    def restart(self) -> None:
+        """Forget what earlier frames of the same picture gathered."""
+        if self._picture is not None:
+            self._picture.restart()
+
     def draw(self, frame: Frame, scene: Scene) -> None:
         """Draw the scene's volume, if it has one, over ``color``.
 

@@ -1,6 +1,6 @@
 // The light that reaches a sample: ambient x visibility + each light x its shadow.
 
-//#include "march.wgsl"
+//#include "rays.wgsl"
 //#include "lamps.wgsl"
 
 struct Shading {

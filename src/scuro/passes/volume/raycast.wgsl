@@ -1,5 +1,6 @@
 // The volume's picture; occlusion and shadows, if any, come precomputed from a texture.
 
+//#include "march.wgsl"
 //#include "lit.wgsl"
 
 // visibility, and the shadows of three lights

@@ -1,5 +1,6 @@
 // The volume's picture with cones traced from every sample of every ray (image space).
 
+//#include "march.wgsl"
 //#include "lit.wgsl"
 //#include "illumination.wgsl"
 

@@ -5,6 +5,12 @@ from __future__ import annotations
 from scuro.errors import SettingsError
 from scuro.settings import SettingsGroup, setting
 
+SLICES = "slices"
+"""Directional occlusion by slices, a peer with a picture of its own."""
+
+MONTE_CARLO, PATHS = "monte-carlo", "path"
+"""The slow truths: rays through each cone, and light that is scattered many times."""
+
 PEERS = {"voxel-cones": 1, "summed-area": 2, "local-sphere": 3}
 """Methods that Gaussian cones are compared with, and their numbers in peers.wgsl."""
 
@@ -23,6 +29,10 @@ class VolumeOcclusionSettings(SettingsGroup):
     cones: int = setting(3, "cones after splitting: 1, 3 or 7", check=_split)
     gap: float = setting(3.0, "first sample's distance, in sigmas", low=0.1, high=50)
     attenuation: float = setting(0.35, "global factor on what is met", low=0, high=2)
+    slice_angle: float | None = setting(
+        None, "half-angle for 'slices', whose cones are others (default: angle)", low=0.1, high=85,
+        unit="deg",
+    )  # fmt: skip
 
 
 class VolumeShadowSettings(SettingsGroup):
@@ -34,6 +44,20 @@ class VolumeShadowSettings(SettingsGroup):
     cones: int = setting(1, "cones after splitting: 1, 3 or 7", check=_split)
     gap: float = setting(3.0, "first sample's distance, in sigmas", low=0.1, high=50)
     attenuation: float = setting(1.0, "global factor on what is met", low=0, high=2)
+
+
+class VolumePathSettings(SettingsGroup):
+    """Volumes path traced, with light that is scattered many times (``--volume-light path``)."""
+
+    bounces: int = setting(64, "times a path may scatter; 1 is direct light", low=1, high=4096)
+    anisotropy: float = setting(
+        0.0, "mean cosine of the scattering angle: 0 in all directions alike", low=-0.95, high=0.95
+    )
+    environment: str = setting(
+        "constant",
+        "ambient light around the volume: equal everywhere, or brighter from above",
+        choices=("constant", "gradient"),
+    )
 
 
 class VolumeSettings(SettingsGroup):
@@ -58,10 +82,13 @@ class VolumeSettings(SettingsGroup):
     light: str = setting(
         "object",
         "occlusion and shadows by Gaussian cones precomputed over the volume (object) or traced at "
-        "every sample (image); by Monte Carlo, the slow truth; or by other published methods",
-        choices=("object", "image", "monte-carlo", *PEERS),
+        "every sample (image); by Monte Carlo, the slow truth; by paths that scatter many times, "
+        "the physical one; or by other published methods",
+        choices=("object", "image", MONTE_CARLO, PATHS, SLICES, *PEERS),
     )
-    rays: int = setting(64, "rays a cone for Monte Carlo", low=1, high=65536)
+    samples: int = setting(
+        64, "rays a cone for monte-carlo, paths a pixel for path", low=1, high=65536
+    )
     light_resolution: float = setting(
         0.5, "resolution of precomputed light, relative to the volume", low=0.05, high=1
     )
@@ -74,3 +101,9 @@ class VolumeSettings(SettingsGroup):
     )
     occlusion: VolumeOcclusionSettings = VolumeOcclusionSettings()
     shadow: VolumeShadowSettings = VolumeShadowSettings()
+    path: VolumePathSettings = VolumePathSettings()
+
+    @property
+    def sampled(self) -> bool:
+        """Whether ``samples`` counts."""
+        return self.light in (MONTE_CARLO, PATHS)

@@ -1,0 +1,55 @@
+// The picture's rays through a volume: where they start, where surfaces stop them, and what a sample
+// of one is to lighting.
+
+//#include "view.wgsl"
+//#include "volume.wgsl"
+
+struct March {
+    // rays end where they let less light through than this
+    cutoff: f32,
+    // share of a step by which starts are shifted at random
+    jitter: f32,
+    // value of the isosurface, normalised; its color and opacity come from the tables
+    iso: f32,
+    // width and height of the picture
+    width: u32,
+    height: u32,
+}
+
+@group(2) @binding(0) var<uniform> march: March;
+// scene normal and depth (-z in view space; 0 where empty) of the surfaces that stop rays
+@group(2) @binding(1) var surface: texture_2d<f32>;
+
+override ISOSURFACE: bool = false;
+override SURFACES: bool = false;
+
+// A sample of a ray, as lighting sees it.
+struct Point {
+    // scene and texture coordinates
+    position: vec3f,
+    uvw: vec3f,
+    // of the ray
+    direction: vec3f,
+    t: f32,
+    // share of the picture that it contributes
+    weight: f32,
+    // of the cut face that it lies on, else 0
+    cut_normal: vec3f,
+    pixel: vec2u,
+}
+
+// Blue enough: Jimenez' interleaved gradient noise, shifted each frame by the golden ratio.
+fn start_shift(pixel: vec2u) -> f32 {
+    let at = vec2f(pixel) + view.origin;
+    let noise = fract(52.9829189 * fract(dot(at, vec2f(0.06711056, 0.00583715))));
+    return fract(noise + 0.61803399 * f32(view.frame)) * march.jitter;
+}
+
+// Farthest a pixel's ray may go before a surface stops it.
+fn surface_limit(pixel: vec2u) -> f32 {
+    if (!SURFACES) {
+        return NOTHING;
+    }
+    let depth = textureLoad(surface, pixel, 0).w;
+    return select(ray_distance(vec2f(pixel) + 0.5, depth), NOTHING, depth <= 0.0);
+}
