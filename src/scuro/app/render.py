@@ -35,6 +35,12 @@ if TYPE_CHECKING:
 )
 @click.option("--buffers", metavar="FILE.npz", help="Also write what is behind the picture.")
 @click.option(
+    "--inspect",
+    metavar="NAME",
+    help="Write a buffer in place of the picture: depth, normal, or any that a pass makes, such as "
+    "regions or gathered; NAME.y is one channel. A wrong name lists those there are.",
+)
+@click.option(
     "--bits", type=click.Choice(["8", "16"]), default="8", help="Per channel. [default 8]"
 )
 @click.option("--dpi", type=click.FloatRange(1, 100_000), help="Resolution to state in the file.")
@@ -49,6 +55,7 @@ if TYPE_CHECKING:
 def command(
     output: str,
     buffers: str | None,
+    inspect: str | None,
     bits: str,
     dpi: float | None,
     device: str | None,
@@ -77,7 +84,7 @@ def command(
     renderer, camera = _prepare(document, scene, device, clock)
     note = document.as_dict(Path(output).parent)
     parts = len(renderer.parts(document.settings))
-    if parts > 1 and buffers:
+    if parts > 1 and (buffers or inspect):
         raise SettingsError("a picture drawn in parts has no buffers: lower --size or --antialias")
     if parts > 1:
         _print(output, renderer, scene, camera, document, parts, bits=int(bits), dpi=dpi, note=note)
@@ -88,7 +95,10 @@ def command(
             _warn_of_nothing(scene, image)
             clock("first_frame")
         with stage(f"writing {output}"):
-            image.save(output, bits=int(bits), dpi=dpi, settings=note)
+            if inspect:
+                _save_inspected(image, inspect, output, dpi)
+            else:
+                image.save(output, bits=int(bits), dpi=dpi, settings=note)
             if buffers:
                 from scuro.export.image import save_buffers
 
@@ -173,6 +183,14 @@ def _print(
             on_part=lambda: shown.advance(task),
             **options,
         )
+
+
+def _save_inspected(image: Image, name: str, output: str, dpi: float | None) -> None:
+    """Write a buffer as a picture; it notes no settings, since they would not make it again."""
+    from scuro.export.inspect import buffer_picture
+    from scuro.image import Image
+
+    Image(buffer_picture(name, image.buffer(name))).save(output, dpi=dpi)
 
 
 def _warn_of_nothing(scene: Scene, image: Image) -> None:

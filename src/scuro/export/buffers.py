@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
+from scuro.export.inspect import intermediates, read_intermediate
 from scuro.settings import unknown
 
 if TYPE_CHECKING:
@@ -36,26 +37,34 @@ def read_buffer(frame: Frame, name: str) -> NDArray:
     of that is reached; infinite where there is none), ``linear`` (the picture as premultiplied
     linear light, h, w, 4).
 
+    Any other texture of the frame's passes is given as it is by its name, or one channel of it as
+    ``NAME.y``: see :mod:`scuro.export.inspect`.
+
     Raises:
         SettingsError: The frame has no such buffer.
     """
-    known = available(frame)
-    if name not in known:
-        if name in _READERS:
+    if name in _READERS:
+        if name not in available(frame):
             raise SettingsError(f"there is no '{name}' buffer: no pass of this picture makes it")
-        raise SettingsError(unknown("buffer", name, known))
-    return _READERS[name](frame)
+        return _READERS[name](frame)
+    inner = intermediates(frame)
+    if name.partition(".")[0] in inner:
+        return read_intermediate(frame, name)
+    raise SettingsError(unknown("buffer", name, list(dict.fromkeys([*available(frame), *inner]))))
 
 
 def read_buffers(frame: Frame) -> dict[str, NDArray]:
-    """All buffers but ``linear``, and the camera as 4×4 matrices for column vectors.
+    """All buffers but ``linear``, all textures of the passes that are none of them, the camera.
 
+    Textures keep their own numbers and, of supersampled pictures, their own size. The camera is two
+    4×4 matrices for column vectors:
     ``view_from_world`` and ``clip_from_view`` (reversed depth: 1 at the near plane, 0 far away).
     """
     found = {name: read_buffer(frame, name) for name in available(frame) if name != "linear"}
     depth = found["depth"][np.isfinite(found["depth"])]
     near, far = (depth.min() * 0.99, depth.max() * 1.01) if depth.size else (0.1, 1.0)
     height, width = found["depth"].shape[:2]
+    found |= {n: read_intermediate(frame, n) for n in intermediates(frame) if n not in _READERS}
     camera = frame.camera
     if camera.orthographic and far - near < 1e-6:
         far = near + 1.0
