@@ -13,7 +13,7 @@ from typing import Any
 
 def quicken(ffi: Any) -> None:
     """Let ``ffi`` parse types with the declarations they name; harmless where cffi is another."""
-    parser = getattr(ffi, "_parser", None)
+    parser: Any = getattr(ffi, "_parser", None)
     if not isinstance(getattr(parser, "_declarations", None), dict):
         return
     parse = parser.parse_type

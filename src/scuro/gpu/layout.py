@@ -87,7 +87,7 @@ def _struct(body: str, resolve_type: Any, file: str) -> WgslType | None:
             "formats": formats,
             "offsets": offsets,
             "itemsize": _round_up(offset, align),
-        }  # type: ignore[arg-type]
+        }
     )
     return WgslType(dtype, align)
 
@@ -126,7 +126,7 @@ def _parse_type(text: str, resolve: Any, constants: dict[str, int]) -> WgslType 
         stride = _round_up(inner.dtype.itemsize, inner.align)
         padded = inner.dtype
         if stride != inner.dtype.itemsize:
-            padded = np.dtype({"names": ["v"], "formats": [inner.dtype], "itemsize": stride})  # type: ignore[call-overload]
+            padded = np.dtype({"names": ["v"], "formats": [inner.dtype], "itemsize": stride})
         return WgslType(np.dtype((padded, (count,))), inner.align)
     return resolve(text)
 

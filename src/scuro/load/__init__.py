@@ -120,14 +120,14 @@ def find_reader(source: Source, format: str | None = None) -> tuple[str, str]:
     if named is not None and named[0] != _STRUCTURE:
         return named
     # structures are often misnamed (an mmCIF file called .pdb): the content decides
-    suffix = sniff(source.data)
-    if named is not None and suffix in (None, _LOOKS_LIKE.get(source.suffix)):
+    found = sniff(source.data)
+    if named is not None and found in (None, _LOOKS_LIKE.get(source.suffix)):
         return named
-    if suffix is None:
+    if found is None:
         known = ", ".join(sorted(READERS))
         raise LoadError(
             source.name,
             f"neither its ending nor its content is of a known format; known endings: {known}; "
             "or say --format",
         )
-    return READERS[suffix]
+    return READERS[found]

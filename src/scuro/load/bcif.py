@@ -7,7 +7,7 @@ long (docs/decisions.md, "Reading structures").
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -163,7 +163,7 @@ def _integer_packing(data: NDArray, step: Mapping[str, Any]) -> NDArray:
     return np.diff(sums, prepend=0).astype(np.int32)
 
 
-_DECODERS = {
+_DECODERS: dict[str, Callable[..., NDArray]] = {
     "ByteArray": _byte_array,
     "FixedPoint": _fixed_point,
     "IntervalQuantization": _interval,

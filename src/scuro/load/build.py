@@ -192,7 +192,7 @@ def _molecule(
     entity = table.chain_entity
     if entity is None:
         entity = np.zeros(len(table.chain_names), np.int32)
-    assigned = table.secondary is None
+    ranges = table.secondary
     return Molecule(
         name=table.name,
         positions=np.ascontiguousarray(take(table.positions, 0, np.float32)),
@@ -216,10 +216,8 @@ def _molecule(
         chain_names=table.chain_names,
         chain_entity=entity,
         entity_names=table.entity_names,
-        secondary=(
-            secondary.assign if assigned else partial(secondary.from_ranges, table.secondary)
-        ),
-        secondary_from="assigned" if assigned else "file",
+        secondary=(secondary.assign if ranges is None else partial(secondary.from_ranges, ranges)),
+        secondary_from="assigned" if ranges is None else "file",
         **bonds.deferred(table.bonds),
         assemblies=table.assemblies,
         source=source.name,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scuro.errors import LoadError
 from scuro.load.columns import fixed_floats, fixed_integers, strip
@@ -54,7 +55,8 @@ def read_table(source: Source) -> AtomTable:
 
 def _frames(source: Source, lines: Lines) -> tuple[np.ndarray, np.ndarray]:
     """Lines of the atoms, and the model of each."""
-    chosen, models = [], []
+    chosen: list[NDArray] = []
+    models: list[NDArray] = []
     at, total = 0, len(lines.codes)
     while at + 1 < total and bytes(lines.codes[at : at + 2]).strip():
         count_text = bytes(lines.codes[at + 1]).strip()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import reduce
 from typing import Protocol
 
@@ -36,7 +37,7 @@ class File(Protocol):
 
     name: str
 
-    def category(self, name: str) -> dict[str, Column]: ...
+    def category(self, name: str) -> Mapping[str, Column]: ...
 
 
 def read_text(source: Source) -> AtomTable:
@@ -125,7 +126,7 @@ def read_table(source: Source, file: File) -> AtomTable:
     )
 
 
-def _floats(site: dict[str, Column], name: str, missing: float) -> NDArray[np.float32] | None:
+def _floats(site: Mapping[str, Column], name: str, missing: float) -> NDArray[np.float32] | None:
     if name not in site:
         return None
     return np.nan_to_num(site[name].numbers(missing).astype(np.float32), nan=missing)
@@ -168,7 +169,7 @@ def _polymer(
     return None if sequence is None else (sequence != b"").astype(np.int8)
 
 
-def _texts(table: dict[str, Column], names: tuple[str, ...], count: int) -> NDArray[np.bytes_]:
+def _texts(table: Mapping[str, Column], names: tuple[str, ...], count: int) -> NDArray[np.bytes_]:
     """(count, len(names)) text of several columns, empty where one is missing."""
     columns = [table[name].bytes_() if name in table else np.zeros(count, "S1") for name in names]
     return np.stack(columns, axis=1)
@@ -227,9 +228,9 @@ def _secondary(file: File, index: dict[str, int]) -> SecondaryRanges | None:
              "pdbx_end_PDB_ins_code"),
             len(kind),
         )  # fmt: skip
-        chain = [index.get(name.decode("latin-1"), -1) for name in names[:, 0].tolist()]
+        named = [index.get(name.decode("latin-1"), -1) for name in names[:, 0].tolist()]
         columns["kind"].append(kind)
-        columns["chain"].append(np.array(chain, np.int32))
+        columns["chain"].append(np.array(named, np.int32))
         columns["first"].append(_whole(names[:, 1]))
         columns["first_ins"].append(names[:, 2].astype("S1"))
         columns["last"].append(_whole(names[:, 3]))
@@ -271,5 +272,5 @@ def _operators(file: File) -> dict[str, NDArray[np.float64]]:
     matrices = np.tile(np.eye(4), (len(names), 1, 1))
     matrices[:, :3, :3] = np.stack([table[t].numbers(0) for t in tags], 1).reshape(-1, 3, 3)
     matrices[:, :3, 3] = np.stack([table[t].numbers(0) for t in shifts], 1)
-    good = np.isfinite(matrices).all(axis=(1, 2))
-    return {name: m for name, m, ok in zip(names, matrices, good, strict=True) if ok}
+    good = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
+    return {names[i]: matrices[i] for i in good}

@@ -27,7 +27,9 @@ _DSSP = np.array([HELIX, COIL, HELIX, STRAND, HELIX, COIL, COIL, COIL], np.uint8
 def read_table(source: Source) -> AtomTable:
     """The atoms, bonds, secondary structure and assemblies of an MMTF file."""
     raw = msgpack.unpackb(source.data, strict_map_key=False)
-    file = {key: _decode(v) if isinstance(v, bytes) else v for key, v in raw.items()}
+    file: dict[str, Any] = {
+        key: _decode(v) if isinstance(v, bytes) else v for key, v in raw.items()
+    }
     group_type = np.asarray(file["groupTypeList"], np.int64)
     groups = file["groupList"]
     sizes = np.array([len(g["atomNameList"]) for g in groups])

@@ -73,8 +73,8 @@ class AtomTable:
     hetero: NDArray[np.bool_] | None = None
     polymer: NDArray[np.int8] | None = None
     """1 part of a polymer, 0 not, -1 the file does not say."""
-    b_factor: NDArray[np.float32] | None = None
-    occupancy: NDArray[np.float32] | None = None
+    b_factor: NDArray[np.floating] | None = None
+    occupancy: NDArray[np.floating] | None = None
     charge: NDArray[np.int8] | None = None
     serial: NDArray[np.int64] | None = None
     model: NDArray[np.int32] | None = None

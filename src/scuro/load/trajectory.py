@@ -189,7 +189,7 @@ def _open(reader: str, path: Path | None) -> Any:
 
 def _first_model(table: AtomTable, first: NDArray[np.bool_]) -> AtomTable:
     """The rows of the first model."""
-    columns = {
+    columns: dict[str, Any] = {
         f.name: value[first]
         for f in dataclasses.fields(table)
         if isinstance(value := getattr(table, f.name), np.ndarray) and len(value) == len(table)

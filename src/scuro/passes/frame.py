@@ -146,8 +146,8 @@ class Frame:
             shader,
             entry,
             (),
-            self.resources | (resources or {}),
-            self.constants | (constants or {}),
+            self.resources | dict(resources or {}),
+            self.constants | dict(constants or {}),
             label,
             indirect=self.resources["tile_count"],
         )
@@ -167,8 +167,8 @@ class Frame:
             shader,
             entry,
             threads or self.size,
-            self.resources | (resources or {}),
-            self.constants | (constants or {}),
+            self.resources | dict(resources or {}),
+            self.constants | dict(constants or {}),
             label,
         )
 

@@ -7,6 +7,7 @@ atoms, a band that lies in the plane of the peptides.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,13 +50,12 @@ def subdivision(residues: int, options: Representation) -> tuple[int, int]:
 
 def join(*parts: Geometry) -> Geometry:
     """One geometry of several in the same frame, without their coarser levels."""
-    return Geometry(
-        **{
-            name: np.concatenate([getattr(part, name) for part in parts])
-            for name in Geometry.__dataclass_fields__
-            if name != "levels"
-        }
-    )
+    joined: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts])
+        for name in Geometry.__dataclass_fields__
+        if name != "levels"
+    }
+    return Geometry(**joined)
 
 
 def protein_rings(

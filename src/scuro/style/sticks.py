@@ -6,6 +6,8 @@ the molecule, and the settings.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -69,7 +71,7 @@ def licorice(
 
 def balls(
     molecule: Molecule, atoms: NDArray, colors: NDArray[np.uint8], radii: NDArray
-) -> dict[str, NDArray]:
+) -> dict[str, Any]:
     """The sphere fields of a geometry for ``atoms`` (k,) with ``radii`` (k,)."""
     spheres = np.empty((len(atoms), 4), np.float32)
     spheres[:, :3] = molecule.positions[atoms]
