@@ -14,6 +14,7 @@ from scuro.passes.volume.classify import Classified
 from scuro.passes.volume.grid import VolumeGrid
 from scuro.passes.volume.light import LightTexture, cone_kinds, light_constants
 from scuro.passes.volume.pyramid import Pyramid
+from scuro.passes.volume.scaling import Scaler, scaled_size, scaled_view
 from scuro.passes.volume.settings import MONTE_CARLO, PATHS, PEERS, SLICES, VolumeSettings
 from scuro.passes.volume.slices import SliceBuffers, draw_slices
 from scuro.passes.volume.solids import solid_fraction, texels_for
@@ -188,19 +189,49 @@ class VolumePicture:
             solids: Texture that is 1 where surfaces fill space, for cones to see them.
         """
         clip = clip or Clip()
+        full = size
+        if settings.scale != 1.0:
+            size = scaled_size(full, settings.scale)
+            view = scaled_view(view, np.array(size) / full)
+            key = (settings.scale_filter, size, full)
+            scaler = self._keep("scaler", key, lambda: Scaler(self.gpu, *key))
+        resources = {
+            "view": view,
+            "lights": lights,
+            "march": {"width": size[0], "height": size[1],
+                      "surface_scale": np.array(full) / size},
+            "surface": surface or self._keep("no surface", 0, self._no_surface),
+            "volume_color": color if size == full else scaler.color,
+            "volume_depth": depth if size == full else scaler.depth,
+        }  # fmt: skip
+        self._draw(record, settings, transfer, resources, clip, surface is not None, solids)
+        if size != full:
+            scaler.scale(record, color, depth)
+
+    def _draw(
+        self,
+        record: Recorder,
+        settings: VolumeSettings,
+        transfer: TransferFunction,
+        resources: dict[str, Any],
+        clip: Clip,
+        surfaces: bool,
+        solids: Any,
+    ) -> None:
+        """Record the picture by the method that the settings choose."""
+        march = resources["march"]
+        size = march["width"], march["height"]
         classified = self.classified(transfer, settings)
         lighted = settings.occlusion.on or settings.shadow.on
         resources = {
+            **resources,
             **classified.resources(),
-            "view": view,
-            "lights": lights,
             "volume": self.uniform(settings, clip, classified),
-            "march": {
+            "march": march
+            | {
                 "cutoff": settings.cutoff,
                 "jitter": settings.jitter,
                 "iso": classified.iso or 0.0,
-                "width": size[0],
-                "height": size[1],
             },
             "shading": {
                 "diffuse": 1.0,
@@ -208,20 +239,17 @@ class VolumePicture:
                 "shininess": settings.shininess,
                 "flat": 0.02,
             },
-            "surface": surface or self._keep("no surface", 0, self._no_surface),
-            "volume_color": color,
-            "volume_depth": depth,
             "illuminated": self._keep("no light", 0, self._no_light),
         }
         constants = {
             "ISOSURFACE": settings.iso is not None,
-            "SURFACES": surface is not None,
+            "SURFACES": surfaces,
             "PHONG": settings.shading == "phong",
             "SHADOWED": settings.shadow.on,
         }
         same = (
             settings.replace(samples=1), transfer, clip, solids, resources["surface"],
-            _frozen(view), _frozen(lights),
+            _frozen(resources["view"]), _frozen(resources["lights"]),
         )  # fmt: skip
         if settings.light == PATHS:
             draw_paths(record, resources, constants, classified, settings, size, self._sums, same)

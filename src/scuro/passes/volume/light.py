@@ -138,7 +138,11 @@ class LightTexture:
         view = dict(resources["view"])
         view["size"] = tuple(n / MARK_SCALE for n in view["size"])
         view["origin"] = tuple(n / MARK_SCALE for n in view["origin"])
-        march = resources["march"] | {"width": small[0], "height": small[1]}
+        march = resources["march"] | {
+            "width": small[0],
+            "height": small[1],
+            "surface_scale": MARK_SCALE * np.asarray(resources["march"]["surface_scale"]),
+        }
         record.compute(
             "passes/volume/mark.wgsl",
             "main",

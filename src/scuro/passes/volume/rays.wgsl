@@ -14,6 +14,8 @@ struct March {
     // width and height of the picture
     width: u32,
     height: u32,
+    // pixels of `surface` for one of the picture
+    surface_scale: vec2f,
 }
 
 @group(2) @binding(0) var<uniform> march: March;
@@ -50,6 +52,7 @@ fn surface_limit(pixel: vec2u) -> f32 {
     if (!SURFACES) {
         return NOTHING;
     }
-    let depth = textureLoad(surface, pixel, 0).w;
+    let at = (vec2f(pixel) + 0.5) * march.surface_scale;
+    let depth = textureLoad(surface, vec2u(at), 0).w;
     return select(ray_distance(vec2f(pixel) + 0.5, depth), NOTHING, depth <= 0.0);
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scuro.errors import SettingsError
+from scuro.passes.volume.scaling import FILTERS
 from scuro.settings import SettingsGroup, setting
 
 SLICES = "slices"
@@ -73,6 +74,15 @@ class VolumeSettings(SettingsGroup):
     window: float | None = setting(None, "width of a window of values, with --level", low=0)
     level: float | None = setting(None, "middle of the window")
     iso: float | None = setting(None, "show the surface where values cross this, instead")
+    scale: float = setting(
+        1.0,
+        "draw the volume so many times larger or smaller and scale its picture",
+        low=0.1,
+        high=4,
+    )
+    scale_filter: str = setting(
+        "o-moms", "how it is scaled; o-moms is the cardinal cubic one", choices=tuple(FILTERS)
+    )
     step: float = setting(0.5, "distance between samples", low=0.05, high=8, unit="voxels")
     jitter: float = setting(1.0, "random shift of rays' starts, in steps", low=0, high=1)
     cutoff: float = setting(0.01, "rays end at this transparency", low=0, high=0.5)

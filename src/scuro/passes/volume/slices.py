@@ -1,10 +1,11 @@
 """Directional occlusion by slices of the volume, front to back (Schott et al. 2009): a peer.
 
-Planes that face the viewer are composited one after the other. A buffer of openness goes with them:
-before each plane it is blurred by the disc that the occlusion cone cuts out of the plane before, and
-after it the plane's own matter is taken away. Many small blurs spread with the square root of their
-number, where a cone spreads with the distance, so that the angle at which this resembles a cone is
-another one: the thesis fitted it by hand (section 3.5.1), ``volume.occlusion.slice_angle`` here.
+Planes that face the viewer are composited one after the other. A buffer of openness goes with
+them: before each plane it is blurred by the disc that the occlusion cone cuts out of the plane
+before, and after it the plane's own matter is taken away. Many small blurs spread with the square
+root of their number, where a cone spreads with the distance, so that the angle at which this
+resembles a cone is another one: the thesis fitted it by hand (section 3.5.1),
+``volume.occlusion.slice_angle`` here.
 """
 
 from __future__ import annotations
@@ -110,4 +111,4 @@ def _extent(
     high = np.clip(np.ceil(pixel.max(axis=1)) + 1, 0, size).astype(int)
     if (high <= low).any():
         return (), (0, 0), size
-    return (max(float(depth.min()), 0.0), far), tuple(low.tolist()), tuple(high.tolist())  # type: ignore[return-value]
+    return (max(float(depth.min()), 0.0), far), tuple(low.tolist()), tuple(high.tolist())
