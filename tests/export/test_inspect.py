@@ -23,7 +23,10 @@ def image():
     )
     for place, path in (((0, 0, 0), ("root", "A", "a")), ((4, 0, 0), ("root", "B", "b"))):
         scene.extra_bodies.append(Body(ball, positions=np.array([place]), path=path, name=path[-1]))
-    settings = scuro.Settings(size=(64, 48)).replace(semantic__mode="screen")
+    # between two thresholds, where the passes of far and near views all run
+    settings = scuro.Settings(size=(64, 48)).replace(
+        semantic__mode="screen", semantic__thresholds=(100.0, 5.0)
+    )
     return scuro.Renderer().render(scene, settings=settings)
 
 

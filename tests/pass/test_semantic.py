@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from scuro.errors import SettingsError
+from scuro.passes.frame import view_uniform
 from scuro.passes.semantic.pipeline import halton_points
 from scuro.render import Renderer
 from scuro.render_settings import Settings
@@ -228,6 +229,7 @@ def test_blur_is_algorithm_3(renderer):
         (8 * len(tiles), 8),
         {
             "tile_list": gpu.buffer(tiles),
+            "view": view_uniform(CAMERA, np.zeros(3), (17, 9)),
             "blur": uniform,
             "surface": gpu.texture_from(surface, "rgba32float"),
             "source": gpu.texture_from(source, "rgba16float"),

@@ -1,10 +1,13 @@
 // Where a pixel holds many atoms its one sampled normal is chance: take the mean over the
 // neighbours of the same region instead, over as many pixels as it takes atoms to fill one.
+// Separable: one direction a dispatch.
 
-//#include "tiles.wgsl"
-//#include "view.wgsl"
+//#include "seen.wgsl"
+//#include "labelled.wgsl"
 
 struct Calm {
+    // (1, 0) or (0, 1)
+    step: vec2i,
     // pixels of smoothing for each atom that a pixel's width holds
     reach: f32,
     // diameter of an atom, scene units
@@ -15,43 +18,38 @@ struct Calm {
 
 const MOST: i32 = 5;
 
-@group(2) @binding(0) var<uniform> calm: Calm;
-@group(2) @binding(1) var surface: texture_2d<f32>;
-@group(2) @binding(2) var regions: texture_2d<u32>;
+@group(2) @binding(2) var<uniform> calm: Calm;
 // as `surface`
-@group(2) @binding(3) var calm_surface: texture_storage_2d<rgba32float, write>;
+@group(2) @binding(3) var calmed: texture_storage_2d<rgba32float, write>;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = tile_pixel(group, local);
-    let size = textureDimensions(surface);
-    if (any(pixel >= size)) {
+    let here = seen(group, local);
+    if (here.outside || here.empty) {
         return;
     }
-    let here = textureLoad(surface, pixel, 0);
     // nothing to smooth below one atom a pixel; grows from there without a jump
-    let sigma = calm.reach * max(pixel_width(here.w) / calm.atom - 0.5, 0.0);
-    if (here.w <= 0.0 || sigma < 0.05) {
-        textureStore(calm_surface, pixel, here);
+    let sigma = calm.reach * max(pixel_width(here.depth) / calm.atom - 0.5, 0.0);
+    if (sigma < 0.05) {
+        textureStore(calmed, here.pixel, vec4f(here.normal, here.depth));
         return;
     }
-    let region = textureLoad(regions, pixel, 0).x;
+    let region = labels_at(here.pixel).x;
     let reach = clamp(i32(ceil(2.0 * sigma)), 1, MOST);
-    var sum = here.xyz;
-    for (var y = -reach; y <= reach; y += 1) {
-        for (var x = -reach; x <= reach; x += 1) {
-            let at = vec2i(pixel) + vec2i(x, y);
-            if (any(at < vec2i(0)) || any(at >= vec2i(size)) || (x == 0 && y == 0)) {
-                continue;
-            }
-            let there = textureLoad(surface, at, 0);
-            if (there.w <= 0.0 || textureLoad(regions, at, 0).x != region
-                || abs(there.w - here.w) > calm.depth_limit) {
-                continue;
-            }
-            sum += there.xyz * exp(-0.5 * f32(x * x + y * y) / (sigma * sigma));
+    var sum = here.normal;
+    for (var i = -reach; i <= reach; i += 1) {
+        let at = vec2i(here.pixel) + i * calm.step;
+        if (i == 0 || any(at < vec2i(0)) || any(at >= vec2i(here.size))) {
+            continue;
         }
+        let there = textureLoad(surface, at, 0);
+        if (there.w <= 0.0 || labels_at(vec2u(at)).x != region
+            || abs(there.w - here.depth) > calm.depth_limit) {
+            continue;
+        }
+        sum += there.xyz * exp(-0.5 * f32(i * i) / (sigma * sigma));
     }
-    let length = max(dot(sum, sum), 1e-12);
-    textureStore(calm_surface, pixel, vec4f(sum * inverseSqrt(length), here.w));
+    // along x the length stays: normals that agree weigh more along y
+    let length = select(2.0 * f32(reach) + 1.0, sqrt(max(dot(sum, sum), 1e-12)), calm.step.y != 0);
+    textureStore(calmed, here.pixel, vec4f(sum / length, here.depth));
 }

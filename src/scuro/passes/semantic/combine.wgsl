@@ -1,8 +1,7 @@
 // Pass 8: color x occlusion x shadow + bounce.
 
-//#include "tiles.wgsl"
+//#include "seen.wgsl"
 
-@group(2) @binding(0) var surface: texture_2d<f32>;
 @group(2) @binding(1) var albedo: texture_2d<f32>;
 @group(2) @binding(2) var gathered: texture_2d<f32>;
 @group(2) @binding(3) var bounce: texture_2d<f32>;
@@ -12,16 +11,12 @@
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = tile_pixel(group, local);
-    let size = textureDimensions(color);
-    if (any(pixel >= size)) {
+    let here = seen(group, local);
+    if (here.outside || here.empty) {
         return;
     }
-    if (textureLoad(surface, pixel, 0).w <= 0.0) {
-        textureStore(color, pixel, vec4f(0.0));
-        return;
-    }
-    let base = textureLoad(albedo, pixel, 0).rgb;
-    let direct = textureLoad(gathered, pixel, 0).rgb * textureLoad(lit, pixel, 0).x;
-    textureStore(color, pixel, vec4f(base * (direct + textureLoad(bounce, pixel, 0).rgb), 1.0));
+    let base = textureLoad(albedo, here.pixel, 0).rgb;
+    let direct = textureLoad(gathered, here.pixel, 0).rgb * textureLoad(lit, here.pixel, 0).x;
+    let light = direct + textureLoad(bounce, here.pixel, 0).rgb;
+    textureStore(color, here.pixel, vec4f(base * light, 1.0));
 }

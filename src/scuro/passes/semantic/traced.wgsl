@@ -2,32 +2,31 @@
 // nothing depends on what the picture shows. Occlusion with light from the open directions, and
 // shadows of the key light.
 
-//#include "view.wgsl"
-//#include "tiles.wgsl"
+//#include "seen.wgsl"
 //#include "trace.wgsl"
 //#include "surface.wgsl"
-//#include "lights.wgsl"
 //#include "region.wgsl"
-//#include "halton.wgsl"
+//#include "gather.wgsl"
 
 struct Rays {
     samples: u32,
     near_radius: f32,
     far_radius: f32,
     strength: f32,
+    // how much the near reach counts: less with distance
+    near_weight: f32,
+    // how dark a full shadow is
     shadow: f32,
 }
 
-@group(2) @binding(0) var<uniform> rays: Rays;
-@group(2) @binding(1) var<uniform> lights: Lights;
-@group(2) @binding(2) var surface: texture_2d<f32>;
-@group(2) @binding(3) var ids: texture_2d<u32>;
-// as in ssdo.wgsl and shadow.wgsl
-@group(2) @binding(4) var gathered: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(1) var<uniform> rays: Rays;
+@group(2) @binding(4) var ids: texture_2d<u32>;
+// as in shadow.wgsl
 @group(2) @binding(5) var lit: texture_storage_2d<rgba16float, write>;
 
-// As in ssdo.wgsl.
-const FACING: f32 = 1.5;
+override HAS_NEAR: bool = true;
+override HAS_SHADOW: bool = true;
+
 // A ray inside one instance passes at most so many atoms of its own group.
 const MOST_OWN: u32 = 32u;
 
@@ -61,65 +60,47 @@ fn blocked(ray: Ray, reach: f32, level: LevelOf, own: vec4u) -> bool {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = tile_pixel(group, local);
-    let size = textureDimensions(surface);
-    if (any(pixel >= size)) {
+    let here = seen(group, local);
+    if (here.outside || here.empty) {
         return;
     }
-    let texel = textureLoad(surface, pixel, 0);
-    if (texel.w <= 0.0) {
-        textureStore(gathered, pixel, vec4f(0.0));
-        textureStore(lit, pixel, vec4f(1.0));
-        return;
-    }
-    let position = scene_position(vec2f(pixel) + 0.5, texel.w);
-    let origin = position + texel.xyz * surface_offset(position, texel.w);
-    let own = textureLoad(ids, pixel, 0);
-    let noise = pixel_noise(pixel + vec2u(view.origin), view.seed);
-    let basis = tangent_frame(texel.xyz);
-    let near_weight = 1.0 - levels.depth;
-    var light = vec3f(0.0);
-    var open_sum = 0.0;
+    let position = seen_position(here);
+    let origin = position + here.normal * surface_offset(position, here.depth);
+    let own = textureLoad(ids, here.pixel, 0);
+    let noise = pixel_noise(here.pixel + vec2u(view.origin), view.seed);
+    let basis = tangent_frame(here.normal);
+    var sum = Gathering(vec3f(0.0), 0.0);
     for (var i = 0u; i < rays.samples; i += 1u) {
         let u = fract(halton(i) + noise);
         let ray = Ray(origin, basis * malley(u.xy));
         var open = 1.0;
-        if (near_weight > 0.0) {
+        if (HAS_NEAR) {
             skipped = vec4u(0u);
-            open -= near_weight * select(0.0, 1.0, trace_any(ray, 0.0, rays.near_radius));
+            open -= rays.near_weight * select(0.0, 1.0, trace_any(ray, 0.0, rays.near_radius));
         }
         // each ray belongs to level t or t + 1, by chance as near as the camera is to either:
         // their mean is the interpolation of both levels' results
+        var level = levels.here;
         if (u.z < levels.blend) {
-            open *= select(1.0, 0.0, blocked(ray, rays.far_radius, levels.next, own));
-        } else {
-            open *= select(1.0, 0.0, blocked(ray, rays.far_radius, levels.here, own));
+            level = levels.next;
         }
-        open_sum += open;
-        for (var k = 0u; k < lights.count; k += 1u) {
-            let arriving = incoming_light(lights.list[k], position);
-            light += open * FACING * max(dot(ray.direction, arriving.direction), 0.0)
-                * arriving.color;
-        }
-        light += open * lights.ambient;
+        open *= select(1.0, 0.0, blocked(ray, rays.far_radius, level, own));
+        gather(&sum, ray.direction, open, position);
     }
-    let count = f32(rays.samples);
-    let visibility = open_sum / count;
-    let bend = pow(max(visibility, 1e-4), rays.strength - 1.0);
-    textureStore(gathered, pixel, vec4f(light / count * bend, visibility * bend));
-
+    store_gathered(here.pixel, sum, rays.samples, rays.strength);
+    if (!HAS_SHADOW || lights.count == 0u) {
+        return;
+    }
+    let arriving = incoming_light(lights.list[0], position);
+    let ray = Ray(origin, arriving.direction);
     var dark = 0.0;
-    if (rays.shadow > 0.0 && lights.count > 0u) {
-        let arriving = incoming_light(lights.list[0], position);
-        let ray = Ray(origin, arriving.direction);
-        if (levels.blend < 1.0) {
-            dark += (1.0 - levels.blend)
-                * select(0.0, 1.0, blocked(ray, arriving.distance, levels.here, own));
-        }
-        if (levels.blend > 0.0) {
-            dark += levels.blend
-                * select(0.0, 1.0, blocked(ray, arriving.distance, levels.next, own));
-        }
+    if (levels.blend < 1.0) {
+        dark += (1.0 - levels.blend)
+            * select(0.0, 1.0, blocked(ray, arriving.distance, levels.here, own));
     }
-    textureStore(lit, pixel, vec4f(1.0 - rays.shadow * dark));
+    if (levels.blend > 0.0) {
+        dark += levels.blend
+            * select(0.0, 1.0, blocked(ray, arriving.distance, levels.next, own));
+    }
+    textureStore(lit, here.pixel, vec4f(1.0 - rays.shadow * dark));
 }
