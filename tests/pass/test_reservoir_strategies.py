@@ -116,7 +116,7 @@ def test_vertex_values_agree_with_numpy(renderer: Renderer, dome: CornerPointGri
     model.set_values(values, 0.0, 1.0)
     expected = vertex_values(dome, values)
     packed = model.cells
-    stored = renderer.gpu.read_buffer(model.resources["values"], np.uint16).reshape(-1, 4)
+    stored = renderer.gpu.read_texture(model.resources["values"]).reshape(-1, 4)
     for corner, (dj, di) in enumerate(RING):
         for side in range(2):
             want = expected[:, side, :, dj, :, di][dome.active]

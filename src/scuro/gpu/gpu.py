@@ -21,7 +21,7 @@ from scuro.gpu.texel import TEXEL
 # formats that may be storage textures on every WebGPU device
 _STORABLE = {
     "rgba8unorm", "rgba16float", "r32float", "rg32float", "rgba32float",
-    "r32uint", "rg32uint", "rgba32uint", "r32sint",
+    "r32uint", "rg32uint", "rgba32uint", "r32sint", "rgba16uint",
 }  # fmt: skip
 
 

@@ -13,6 +13,8 @@ TEXEL = {
     "r32float": (np.float32, 1),
     "rg32float": (np.float32, 2),
     "rgba32float": (np.float32, 4),
+    "r16uint": (np.uint16, 1),
+    "rgba16uint": (np.uint16, 4),
     "r32uint": (np.uint32, 1),
     "rg32uint": (np.uint32, 2),
     "rgba32uint": (np.uint32, 4),

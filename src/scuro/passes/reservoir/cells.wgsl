@@ -4,27 +4,41 @@
 //#include "columns.wgsl"
 
 // four 16-bit values a surface, 0 to 1 over the property's range
-@group(1) @binding(4) var<storage, read> values: array<vec2u>;
-// a bit a layer: whether the cell is to be seen; then whether it holds a value at all
-@group(1) @binding(5) var<storage, read> flags: array<u32>;
-// first index of each voxel's list of columns, and the lists
-@group(1) @binding(6) var<storage, read> areal: array<u32>;
-// lowest and highest z of the columns over each voxel
-@group(1) @binding(7) var<storage, read> heights: array<vec2f>;
+@group(1) @binding(4) var values: texture_2d<u32>;
+// a bit a layer: whether the cell is to be seen, and whether it holds a value at all
+@group(1) @binding(5) var flags: texture_2d<u32>;
+// each voxel of the areal grid: first in the list of columns, how many, bits of lowest and highest z
+@group(1) @binding(6) var voxels: texture_2d<u32>;
+// the lists of columns
+@group(1) @binding(7) var areal: texture_2d<u32>;
+
+struct Voxel {
+    first: i32,
+    count: i32,
+    low: f32,
+    high: f32,
+}
+
+fn voxel_at(index: vec2i) -> Voxel {
+    let entry = textureLoad(voxels, texel_of(index.y * i32(model.areal_dims.x) + index.x), 0);
+    return Voxel(i32(entry.x), i32(entry.y), bitcast<f32>(entry.z), bitcast<f32>(entry.w));
+}
+
+fn listed_column(number: i32) -> vec2i {
+    let column = i32(textureLoad(areal, texel_of(number), 0).x);
+    let width = i32(model.columns.x);
+    return vec2i(column % width, column / width);
+}
 
 fn surface_values(column: Column, surface: i32) -> vec4f {
-    return unpack_steps(values[i32(column.start) + surface]) / 65535.0;
+    return vec4f(textureLoad(values, texel_of(column.start + surface), 0)) / 65535.0;
 }
 
-fn flag(column: Column, layer: i32, offset: u32) -> bool {
-    let word = flags[offset + column.words + u32(layer >> 5)];
+// Bits of 32 layers of a column, the given one's among them: seen, and valued.
+fn flag_words(column: Column, layer: i32) -> vec2u {
+    return textureLoad(flags, texel_of(column.words + (layer >> 5u)), 0).xy;
+}
+
+fn has_bit(word: u32, layer: i32) -> bool {
     return ((word >> u32(layer & 31)) & 1u) != 0u;
-}
-
-fn is_shown(column: Column, layer: i32) -> bool {
-    return flag(column, layer, 0u);
-}
-
-fn is_valued(column: Column, layer: i32) -> bool {
-    return flag(column, layer, model.flag_words);
 }

@@ -2,6 +2,7 @@
 //
 // Corners of a column are in ring order, (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1), as the four
 // components of a vector; parametric coordinates s, t, r run from 0 to 1 along i, j and downward.
+// Tables are textures, in rows of 4096: software adapters read those several times faster.
 
 struct Pillar {
     // x and y at z = 0, and their change over z
@@ -14,13 +15,13 @@ struct Pillar {
 
 struct Column {
     // index of its first surface in `depths` and `values`
-    start: u32,
+    start: i32,
     // that surface's number, the same in all columns
-    first: u32,
+    first: i32,
     // how many surfaces: one more than layers; 0 for a column without active cells
-    count: u32,
+    count: i32,
     // index of its first word in `flags`
-    words: u32,
+    words: i32,
 }
 
 struct Model {
@@ -34,23 +35,34 @@ struct Model {
     tolerance: f32,
     // half the diagonal of the model's box
     extent: f32,
-    // words of `shown` before those that tell which cells are active
-    flag_words: u32,
-    pad: u32,
     // lowest and highest z of all cells
     z_range: vec2f,
 }
 
 @group(1) @binding(0) var<uniform> model: Model;
-@group(1) @binding(1) var<storage, read> pillars: array<Pillar>;
-@group(1) @binding(2) var<storage, read> columns: array<Column>;
+// two texels a pillar
+@group(1) @binding(1) var pillars: texture_2d<f32>;
+@group(1) @binding(2) var columns: texture_2d<u32>;
 // four 16-bit depths a surface, in steps of the pillar's range
-@group(1) @binding(3) var<storage, read> depths: array<vec2u>;
+@group(1) @binding(3) var depths: texture_2d<u32>;
 
-fn unpack_steps(packed: vec2u) -> vec4f {
-    let low = packed & vec2u(0xffffu);
-    let high = packed >> vec2u(16u);
-    return vec4f(vec4u(low.x, high.x, low.y, high.y));
+fn texel_of(index: i32) -> vec2i {
+    return vec2i(index & 4095, index >> 12);
+}
+
+fn pillar_at(index: i32) -> Pillar {
+    let place = textureLoad(pillars, texel_of(2 * index), 0);
+    let heights = textureLoad(pillars, texel_of(2 * index + 1), 0);
+    return Pillar(place.xy, place.zw, heights.x, heights.y);
+}
+
+fn column_number(index: i32) -> Column {
+    let column = vec4i(textureLoad(columns, texel_of(index), 0));
+    return Column(column.x, column.y, column.z, column.w);
+}
+
+fn column_at(index: vec2i) -> Column {
+    return column_number(index.y * i32(model.columns.x) + index.x);
 }
 
 // Four pillars and the column between them.
@@ -68,13 +80,13 @@ struct Frame {
 fn frame_of(index: vec2i) -> Frame {
     let row = i32(model.columns.x) + 1;
     let first = index.y * row + index.x;
-    let a = pillars[first];
-    let b = pillars[first + 1];
-    let c = pillars[first + row + 1];
-    let d = pillars[first + row];
+    let a = pillar_at(first);
+    let b = pillar_at(first + 1);
+    let c = pillar_at(first + row + 1);
+    let d = pillar_at(first + row);
     return Frame(
         index,
-        columns[index.y * (row - 1) + index.x],
+        column_at(index),
         vec4f(a.at.x, b.at.x, c.at.x, d.at.x),
         vec4f(a.at.y, b.at.y, c.at.y, d.at.y),
         vec4f(a.slope.x, b.slope.x, c.slope.x, d.slope.x),
@@ -84,17 +96,18 @@ fn frame_of(index: vec2i) -> Frame {
     );
 }
 
-fn column_at(index: vec2i) -> Column {
-    return columns[index.y * i32(model.columns.x) + index.x];
-}
-
 fn in_grid(index: vec2i) -> bool {
     return all(index >= vec2i(0)) && all(index < vec2i(model.columns));
 }
 
+// Depths of a surface at its four pillars, in steps.
+fn depth_steps(surface: i32) -> vec4f {
+    return vec4f(textureLoad(depths, texel_of(surface), 0));
+}
+
 // Heights at which a surface (counted from the column's first) meets the four pillars.
 fn surface_z(frame: Frame, surface: i32) -> vec4f {
-    return frame.base - frame.step * unpack_steps(depths[i32(frame.column.start) + surface]);
+    return frame.base - frame.step * depth_steps(frame.column.start + surface);
 }
 
 // Weights of the four corners at (s, t).
@@ -107,7 +120,7 @@ fn ring_weights(st: vec2f) -> vec4f {
 fn layer_around(frame: Frame, st: vec2f, z: f32) -> i32 {
     let weights = ring_weights(st);
     var low = 0;
-    var high = i32(frame.column.count) - 1;
+    var high = frame.column.count - 1;
     if (z > dot(weights, surface_z(frame, 0))) {
         return -1;
     }
@@ -125,30 +138,7 @@ fn layer_around(frame: Frame, st: vec2f, z: f32) -> i32 {
     return low;
 }
 
-// Whether the column next across a side agrees with this one at a layer: one face, not a fault.
 // Sides: 0 toward -j, 1 toward +i, 2 toward +j, 3 toward -i.
-fn agrees(frame: Frame, next: Column, side: i32, layer: i32) -> bool {
-    let other = layer + i32(frame.column.first) - i32(next.first);
-    if (other < 0 || other + 1 >= i32(next.count)) {
-        return false;
-    }
-    for (var n = 0; n < 2; n++) {
-        let mine = unpack_steps(depths[i32(frame.column.start) + layer + n]);
-        let theirs = unpack_steps(depths[i32(next.start) + other + n]);
-        var apart: vec2f;
-        switch side {
-            case 0 { apart = (mine.xy - theirs.wz) * frame.step.xy; }
-            case 1 { apart = (mine.yz - theirs.xw) * frame.step.yz; }
-            case 2 { apart = (mine.wz - theirs.xy) * frame.step.wz; }
-            default { apart = (mine.xw - theirs.yz) * frame.step.xw; }
-        }
-        if (any(abs(apart) > vec2f(model.tolerance))) {
-            return false;
-        }
-    }
-    return true;
-}
-
 fn side_step(side: i32) -> vec2i {
     return select(
         vec2i(select(-1, 1, side == 1), 0),

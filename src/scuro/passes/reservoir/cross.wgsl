@@ -90,22 +90,35 @@ fn one_sided(a: vec4f, b: vec4f) -> bool {
         || max(max(high.x, high.y), max(high.z, high.w)) < 0.0;
 }
 
-// Whether all corners lie on one side of the ray: a quick test before crossing.
-fn misses(seen: Seen, top: vec4f, bottom: vec4f) -> bool {
-    return one_sided(seen.u + top * seen.slope_u, seen.u + bottom * seen.slope_u)
-        || one_sided(seen.v + top * seen.slope_v, seen.v + bottom * seen.slope_v);
+// A surface's four corners in the probe's axes.
+struct Corners {
+    u: vec4f,
+    v: vec4f,
+    d: vec4f,
 }
 
-// Cross the solid between two surfaces of a column, given their heights at the pillars. Of exits
-// equally far (thin cells) one by another face than `entered` is taken: that one counts as nearer
-// by `slack`.
-fn cross_cell(seen: Seen, top: vec4f, bottom: vec4f, entered: i32, slack: f32) -> Passage {
-    let tu = seen.u + top * seen.slope_u;
-    let tv = seen.v + top * seen.slope_v;
-    let td = seen.d + top * seen.slope_d;
-    let bu = seen.u + bottom * seen.slope_u;
-    let bv = seen.v + bottom * seen.slope_v;
-    let bd = seen.d + bottom * seen.slope_d;
+fn corners_at(seen: Seen, z: vec4f) -> Corners {
+    return Corners(
+        seen.u + z * seen.slope_u,
+        seen.v + z * seen.slope_v,
+        seen.d + z * seen.slope_d,
+    );
+}
+
+// Whether all corners lie on one side of the ray: a quick test before crossing.
+fn misses(top: Corners, bottom: Corners) -> bool {
+    return one_sided(top.u, bottom.u) || one_sided(top.v, bottom.v);
+}
+
+// Cross the solid between two surfaces of a column. Of exits equally far (thin cells) one by another
+// face than `entered` is taken: that one counts as nearer by `slack`.
+fn cross_cell(top: Corners, bottom: Corners, entered: i32, slack: f32) -> Passage {
+    let tu = top.u;
+    let tv = top.v;
+    let td = top.d;
+    let bu = bottom.u;
+    let bv = bottom.v;
+    let bd = bottom.d;
     // sides run from corner p to corner q, in the same sense on both sides of a shared face
     let edge_top = tu.xywx * tv.yzzw - tv.xywx * tu.yzzw;
     let edge_bottom = bu.xywx * bv.yzzw - bv.xywx * bu.yzzw;

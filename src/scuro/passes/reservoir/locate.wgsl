@@ -61,7 +61,7 @@ fn search(frame: ptr<function, Frame>, layer_from: i32, guess: vec3f, p: vec3f) 
         if (over.z >= max(over.x, over.y)) {
             let down = at.z > 0.5;
             layer += select(-1, 1, down);
-            if (layer < 0 || layer + 1 >= i32((*frame).column.count)) {
+            if (layer < 0 || layer + 1 >= (*frame).column.count) {
                 break;
             }
             at.z = select(1.0, 0.0, down);
@@ -76,16 +76,12 @@ fn search(frame: ptr<function, Frame>, layer_from: i32, guess: vec3f, p: vec3f) 
             break;
         }
         let next = column_at(index);
-        if (next.count == 0u) {
+        if (next.count == 0) {
             break;
         }
         at -= vec3f(vec2f(side_step(side)), 0.0);
-        let together = agrees(*frame, next, side, layer);
-        layer += i32((*frame).column.first) - i32(next.first);
+        layer = clamp(layer + (*frame).column.first - next.first, 0, next.count - 2);
         *frame = frame_of(index);
-        if (!together) {
-            layer = clamp(layer_around(*frame, saturate(at.xy), p.z), 0, i32(next.count) - 2);
-        }
     }
     return Located(false, 0, vec3f(0.0));
 }
@@ -122,21 +118,19 @@ fn locate(p: vec3f, frame: ptr<function, Frame>) -> Located {
     if (any(voxel < vec2i(0)) || any(voxel >= vec2i(model.areal_dims))) {
         return Located(false, 0, vec3f(0.0));
     }
-    let index = voxel.y * i32(model.areal_dims.x) + voxel.x;
-    if (p.z < heights[index].x || p.z > heights[index].y) {
+    let over = voxel_at(voxel);
+    if (p.z < over.low || p.z > over.high) {
         return Located(false, 0, vec3f(0.0));
     }
-    let width = i32(model.columns.x);
-    for (var n = areal[index]; n < areal[index + 1]; n++) {
-        let column = i32(areal[n]);
-        *frame = frame_of(vec2i(column % width, column / width));
+    for (var n = 0; n < over.count; n++) {
+        *frame = frame_of(listed_column(over.first + n));
         let at = areal_coordinates(*frame, p);
         // cells' sides bulge a little where pillars are not parallel
         if (any(at < vec2f(-0.05)) || any(at > vec2f(1.05))) {
             continue;
         }
         let layer = layer_around(*frame, at, p.z);
-        let start = clamp(layer, 0, i32((*frame).column.count) - 2);
+        let start = clamp(layer, 0, (*frame).column.count - 2);
         let found = search(frame, start, vec3f(at, 0.5), p);
         if (found.found) {
             return found;

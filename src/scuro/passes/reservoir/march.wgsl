@@ -29,9 +29,9 @@ struct March {
 }
 
 @group(2) @binding(0) var<uniform> march: March;
-// linear color and opacity of one step; then, for each entry, integrals from the table's start of
-// extinction times color, and of extinction
-@group(2) @binding(1) var<storage, read> colors: array<vec4f>;
+// over the property's range: linear color and opacity of one step; integrals from the range's start
+// of extinction times color, and of extinction; these themselves
+@group(2) @binding(1) var colors: texture_2d<f32>;
 // depth of opaque surfaces in the fourth component
 @group(2) @binding(2) var surface: texture_2d<f32>;
 // premultiplied linear color, opacity
@@ -58,8 +58,12 @@ fn light_at(p: vec3f) -> f32 {
     return dot(march.light_weights, dimmed) + march.light_rest;
 }
 
+fn entry_of(value: f32) -> i32 {
+    return i32(saturate(value) * march.table_end + 0.5);
+}
+
 fn take_sample(sum: ptr<function, Sum>, value: f32, p: vec3f) {
-    let entry = colors[u32(saturate(value) * march.table_end + 0.5)];
+    let entry = textureLoad(colors, vec2i(entry_of(value), 0), 0);
     if (entry.w <= 0.0) {
         return;
     }

@@ -9,19 +9,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.gpu import Gpu
-from scuro.passes.reservoir.pack import COLUMN, PILLAR, PackedReservoir
+from scuro.gpu.texel import TEXEL
+from scuro.passes.reservoir.pack import PackedReservoir
 from scuro.scene.cornerpoint import CornerPointGrid
 from scuro.style.transfer import TransferFunction
 
 ENTRIES = 1024
 """Entries of the transfer function's tables."""
 
-ROW = 65535 * 64
-"""Threads along x of the passes over columns."""
+ROW = 4096
+"""Texels in a row of the tables (columns.wgsl has the same)."""
+
+THREADS = 65535 * 64
+"""Along x, of the passes over columns."""
+
+NO_VALUE = 65535
+"""Of a cell, among 16-bit steps of the property's range."""
 
 
 class ReservoirModel:
-    """Buffers of cells.wgsl.
+    """Tables of cells.wgsl.
 
     The geometry is uploaded once. :meth:`set_values` replaces what depends on a property or a time
     step, :meth:`set_transfer` what depends on the transfer function; neither touches the rest.
@@ -43,8 +50,7 @@ class ReservoirModel:
         """(3,) mean extent of cells along i, j, k, in scene units."""
         self.surfaces, self.slots = packed.surfaces, packed.slots
         self.column_words, self.column_count = packed.words, len(packed.columns)
-        flag_words = packed.words * self.column_count
-        fields, table, heights = packed.areal_grid()
+        fields, voxels, listed = packed.areal_grid()
         low, high = grid.bounds * (1, 1, exaggeration) - self.center
         self.bounds = np.stack([low, high])
         """(2, 3) in scene space."""
@@ -53,29 +59,40 @@ class ReservoirModel:
             "columns": grid.dimensions[:2],
             "tolerance": packed.tolerance,
             "extent": float(np.linalg.norm(high - low) / 2),
-            "flag_words": flag_words,
-            "pad": 0,
             "z_range": (low[2], high[2]),
         }
         self.cells = packed
         self._geometry = {
-            "pillars": gpu.buffer(_structs(packed.pillars, PILLAR), label="pillars"),
-            "columns": gpu.buffer(_structs(packed.columns, COLUMN), label="columns"),
-            "depths": gpu.buffer(packed.depths, label="corner depths"),
-            "areal": gpu.buffer(table, label="areal grid"),
-            "heights": gpu.buffer(heights, label="areal heights"),
+            "pillars": self._table(packed.pillars.view(np.float32).reshape(-1, 4), "rgba32float"),
+            "columns": self._table(packed.columns.view(np.uint32).reshape(-1, 4), "rgba32uint"),
+            "depths": self._table(packed.depths, "rgba16uint"),
+            "voxels": self._table(voxels, "rgba32uint"),
+            "areal": self._table(listed, "r32uint"),
         }
-        self._values = gpu.buffer(8 * self.surfaces, label="vertex values")
-        self._flags = gpu.buffer(8 * flag_words, label="cell flags")
+        self._values = self._empty(self.surfaces, "rgba16uint")
+        self._flags = self._empty(packed.words * self.column_count, "rg32uint")
+        self._cell_values: Any = None
         self.low, self.high = 0.0, 1.0
         self._visible: Any = None
         self.colors: Any = None
 
+    def _empty(self, count: int, format: str) -> Any:
+        """A texture for so many texels in rows of :data:`ROW`."""
+        return self.gpu.texture((ROW, max(1, -(-count // ROW))), format, label="reservoir")
+
+    def _table(self, data: NDArray, format: str) -> Any:
+        """A texture of (n[, channels]) in rows of :data:`ROW`."""
+        texture = self._empty(len(data), format)
+        whole = np.zeros((ROW * texture.size[1], *data.shape[1:]), data.dtype)
+        whole[: len(data)] = data
+        self.gpu.write_texture(texture, whole.reshape(-1, ROW, *data.shape[1:]))
+        return texture
+
     @property
     def bytes(self) -> int:
         """GPU memory of cells, values and tables."""
-        buffers = [*self._geometry.values(), self._values, self._flags]
-        return sum(int(b.size) for b in buffers)
+        tables = [*self._geometry.values(), self._values, self._flags, self._cell_values]
+        return sum(_texture_bytes(table) for table in tables if table is not None)
 
     @property
     def bytes_per_cell(self) -> float:
@@ -113,11 +130,10 @@ class ReservoirModel:
         held = np.isfinite(values)
         if chosen is not None:
             held &= chosen
-        whole = np.full(self.surfaces, -1, np.float32)
-        whole[self.slots[held]] = share[held]
-        # kept only while the passes run: vertices are all that rendering reads
-        self._cell_values = self.gpu.buffer(whole, label="cell values")
-        self._run("spread")
+        whole = np.full(self.surfaces, NO_VALUE, np.uint16)
+        whole[self.slots[held]] = np.rint(share[held] * (NO_VALUE - 1)).astype(np.uint16)
+        self._cell_values = self._table(whole, "r16uint")
+        self._run("spread", {"values": self._values})
         self._mark()
 
     def set_transfer(self, transfer: TransferFunction, step: float) -> None:
@@ -125,42 +141,48 @@ class ReservoirModel:
         table = transfer.table(self.low, self.high, ENTRIES)
         opacity = table[:, 3].astype(np.float64)
         extinction = -np.log1p(-opacity)
-        steps = np.empty((2 * ENTRIES, 4), np.float32)
-        steps[:ENTRIES, :3] = table[:, :3]
-        steps[:ENTRIES, 3] = -np.expm1(-extinction * step / self.unit)
+        steps = np.zeros((3, ENTRIES, 4), np.float32)
+        steps[0, :, :3] = table[:, :3]
+        steps[0, :, 3] = -np.expm1(-extinction * step / self.unit)
         # integrals over the value, by trapezoids, for whole segments at once
         weighted = np.concatenate([table[:, :3] * extinction[:, None], extinction[:, None]], 1)
         sums = np.cumsum((weighted[1:] + weighted[:-1]) / 2, axis=0)
-        steps[ENTRIES] = 0
-        steps[ENTRIES + 1 :] = sums
+        steps[1, 1:] = sums
+        steps[2] = weighted
         self.extinction = extinction
         """(ENTRIES,) per :attr:`unit`."""
-        self.colors = self.gpu.buffer(steps, label="transfer function")
+        self.colors = self.gpu.texture_from(steps, "rgba32float")
         shown = np.concatenate([[0], np.cumsum(opacity > 0)]).astype(np.uint32)
-        self._visible = self.gpu.buffer(shown, label="visible entries")
+        self._visible = self.gpu.texture_from(shown[None], "r32uint")
         self._mark()
 
     def _mark(self) -> None:
-        if self._visible is not None:
-            self._run("mark")
+        if self._visible is not None and self._cell_values is not None:
+            self._run(
+                "mark",
+                {
+                    "mark": {"words": self.column_words, "table_end": ENTRIES - 1},
+                    "visible": self._visible,
+                    "values": self._values,
+                    "flags": self._flags,
+                },
+            )
 
-    def _run(self, entry: str) -> None:
-        visible = self._visible or self.gpu.buffer(16)
-        average = {
-            "words": self.uniform["flag_words"],
-            "column_words": self.column_words,
-            "table_end": ENTRIES - 1,
-            "pad": 0,
-        }
-        resources = self.resources | {
-            "average": average,
-            "cell_values": self._cell_values,
-            "visible": visible,
-        }
-        threads = (min(self.column_count, ROW), -(-self.column_count // ROW))
-        self.gpu.compute("passes/reservoir/average.wgsl", entry, threads, resources)
+    def _run(self, shader: str, resources: dict[str, Any]) -> None:
+        threads = (min(self.column_count, THREADS), -(-self.column_count // THREADS))
+        self.gpu.compute(
+            f"passes/reservoir/{shader}.wgsl",
+            "main",
+            threads,
+            {
+                **self._geometry,
+                "model": self.uniform,
+                "cell_values": self._cell_values,
+                **resources,
+            },
+        )
 
 
-def _structs(table: NDArray, dtype: np.dtype) -> NDArray[np.uint32]:
-    """A structured table as words."""
-    return np.ascontiguousarray(table, dtype).view(np.uint32)
+def _texture_bytes(texture: Any) -> int:
+    dtype, channels = TEXEL[texture.format]
+    return int(np.prod(texture.size)) * channels * np.dtype(dtype).itemsize

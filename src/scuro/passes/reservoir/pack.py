@@ -28,19 +28,25 @@ RING = ((0, 0), (0, 1), (1, 1), (1, 0))
 """Corners (dj, di) of a column in the order of their components in the shaders."""
 
 PILLAR = np.dtype(
-    [("at", np.float32, 2), ("slope", np.float32, 2), ("base", np.float32), ("step", np.float32)]
+    [
+        ("at", np.float32, 2),
+        ("slope", np.float32, 2),
+        ("base", np.float32),
+        ("step", np.float32),
+        ("pad", np.float32, 2),
+    ]
 )
-"""``Pillar`` of cells.wgsl: 24 bytes."""
+"""``Pillar`` of columns.wgsl: two texels of 16 bytes."""
 
 COLUMN = np.dtype(
     [("start", np.uint32), ("first", np.uint32), ("count", np.uint32), ("words", np.uint32)]
 )
-"""``Column`` of cells.wgsl: 16 bytes."""
+"""``Column`` of columns.wgsl: 16 bytes."""
 
 
 @dataclass(eq=False)
 class PackedReservoir:
-    """Host copies of the buffers of cells.wgsl, in scene space.
+    """Host copies of the tables of cells.wgsl, in scene space.
 
     Args:
         grid: The model.
@@ -134,16 +140,6 @@ class PackedReservoir:
         column = self.columns[j * self.grid.dimensions[0] + i]
         return (column["start"] + self.top_surface[k] - column["first"]).astype(np.uint32)
 
-    def flags(self, chosen: NDArray[np.bool_]) -> NDArray[np.uint32]:
-        """One bit a layer of every column, from (nk, nj, ni) flags of cells."""
-        ni, nj, _ = self.grid.dimensions
-        bits = np.zeros((nj * ni, self.words * 32), bool)
-        first = self.columns["first"].reshape(nj, ni).astype(np.int64)
-        flat = np.arange(nj * ni).reshape(nj, ni)
-        for k, layer in enumerate(self.top_surface):
-            bits[flat[chosen[k]], (layer - first)[chosen[k]]] = True
-        return np.packbits(bits, axis=1, bitorder="little").view(np.uint32).ravel()
-
     @cached_property
     def cell_of_layer(self) -> NDArray[np.int32]:
         """(layers,) k of each layer counted from surface 0, -1 for gaps."""
@@ -178,14 +174,14 @@ class PackedReservoir:
         """How far corners may lie apart, in scene units, to be one vertex."""
         return SPLIT_TOLERANCE * self.exaggeration
 
-    def areal_grid(self) -> tuple[dict, NDArray[np.uint32], NDArray[np.float32]]:
+    def areal_grid(self) -> tuple[dict, NDArray[np.uint32], NDArray[np.uint32]]:
         """Which columns lie over each voxel of a regular grid in x and y, and between which z.
 
         Pillars order the cells of a column by depth, so two dimensions are enough.
 
         Returns:
-            Fields of ``Model``; first index of each voxel's list (one more than voxels) followed
-            by the lists; (voxels, 2) lowest and highest z.
+            Fields of ``Model``; (voxels, 4) first place in the lists, count, bits of lowest and
+            highest z; the lists of columns.
         """
         ni, nj, _ = self.grid.dimensions
         z_low, z_high = self.corner_heights
@@ -219,14 +215,17 @@ class PackedReservoir:
         item, index = item[kept], (y * dims[0] + x)[kept]
         order = np.argsort(index, kind="stable")
         starts = np.searchsorted(index[order], np.arange(dims.prod() + 1))
-        table = np.concatenate([starts + len(starts), used[item[order]]]).astype(np.uint32)
+        listed = used[item[order]].astype(np.uint32)
         heights = np.empty((int(dims.prod()), 2), np.float32)
         heights[:] = 1, -1
         filled = np.flatnonzero(np.diff(starts))
-        heights[filled, 0] = np.minimum.reduceat(z_low[used[item[order]]], starts[filled])
-        heights[filled, 1] = np.maximum.reduceat(z_high[used[item[order]]], starts[filled])
+        heights[filled, 0] = np.minimum.reduceat(z_low[listed], starts[filled])
+        heights[filled, 1] = np.maximum.reduceat(z_high[listed], starts[filled])
+        voxels = np.empty((len(heights), 4), np.uint32)
+        voxels[:, 0], voxels[:, 1] = starts[:-1], np.diff(starts)
+        voxels[:, 2:] = heights.view(np.uint32)
         fields = {"areal_origin": origin, "areal_voxel": voxel, "areal_dims": dims}
-        return fields, table, heights
+        return fields, voxels, listed
 
 
 def _overlap(corners: NDArray, item: NDArray, middle: NDArray, half: NDArray) -> NDArray[np.bool_]:

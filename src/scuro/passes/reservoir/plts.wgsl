@@ -27,9 +27,9 @@ fn next_candidate(ray: Ray, t_from: f32, t_end: f32) -> f32 {
             + vec2f(voxel + select(vec2i(0), vec2i(1), forward)) * model.areal_voxel;
         let exits = (edge - ray.origin.xy) * inverse;
         let t_exit = max(min(exits.x, exits.y), inner);
-        let range = heights[voxel.y * i32(model.areal_dims.x) + voxel.x];
-        if (range.x <= range.y) {
-            let z = (range - ray.origin.z) * z_inverse;
+        let over = voxel_at(voxel);
+        if (over.low <= over.high) {
+            let z = (vec2f(over.low, over.high) - ray.origin.z) * z_inverse;
             let start = max(t, min(z.x, z.y));
             if (start <= min(t_exit, max(z.x, z.y))) {
                 return start;
@@ -51,29 +51,44 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     // nothing lies farther than the model's far side
     span.far = min(span.far, 2.0 * model.extent + length(ray.origin) + 1.0);
     var sum = Sum(vec3f(0.0), 1.0, sample_after(span.near));
-    var frame: Frame;
-    var here = Located(false, 0, vec3f(0.0));
-    loop {
-        let t = sample_t(sum.next);
-        if (t >= span.far || sum.transmittance < march.cutoff) {
-            break;
-        }
-        let p = ray.origin + t * ray.direction;
-        if (here.found) {
-            here = search(&frame, here.layer, here.at, p);
-        }
-        if (!here.found) {
+    var done = false;
+    while (!done) {
+        // from outside, or past a fault: through the areal grid
+        var frame: Frame;
+        var here = Located(false, 0, vec3f(0.0));
+        var p = vec3f(0.0);
+        loop {
+            let t = sample_t(sum.next);
+            done = t >= span.far;
+            if (done) {
+                break;
+            }
             let candidate = sample_after(next_candidate(ray, t, span.far));
             if (candidate > sum.next) {
                 sum.next = candidate;
                 continue;
             }
+            p = ray.origin + t * ray.direction;
             here = locate(p, &frame);
+            if (here.found) {
+                break;
+            }
+            sum.next += 1;
         }
-        if (here.found && is_valued(frame.column, here.layer)) {
-            take_sample(&sum, value_in(frame.column, here.layer, here.at), p);
+        // on from each sample to the next
+        while (!done && here.found) {
+            if (has_bit(flag_words(frame.column, here.layer).y, here.layer)) {
+                take_sample(&sum, value_in(frame.column, here.layer, here.at), p);
+            }
+            sum.next += 1;
+            let t = sample_t(sum.next);
+            done = t >= span.far || sum.transmittance < march.cutoff;
+            if (done) {
+                break;
+            }
+            p = ray.origin + t * ray.direction;
+            here = search(&frame, here.layer, here.at, p);
         }
-        sum.next += 1;
     }
     finish(id.xy, sum);
 }

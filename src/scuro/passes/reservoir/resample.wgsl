@@ -24,7 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var frame: Frame;
     let found = locate(p, &frame);
     var out = vec2f(0.0);
-    if (found.found && is_valued(frame.column, found.layer)) {
+    if (found.found && has_bit(flag_words(frame.column, found.layer).y, found.layer)) {
         out = vec2f(value_in(frame.column, found.layer, found.at), 1.0);
     }
     texels[(id.z * resample.size.y + id.y) * resample.row + id.x] = pack2x16float(out);

@@ -31,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let texel = textureSampleLevel(
             resampled, trilinear_sampler, (p - march.light_low) * march.light_scale, 0.0);
         if (texel.g > 0.004) {
-            let entry = colors[u32(saturate(texel.r / texel.g) * march.table_end + 0.5)];
+            let entry = textureLoad(colors, vec2i(entry_of(texel.r / texel.g), 0), 0);
             let opacity = entry.w * texel.g;
             sum.color += sum.transmittance * opacity * entry.rgb * light_at(p);
             sum.transmittance *= 1.0 - opacity;

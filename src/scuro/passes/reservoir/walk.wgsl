@@ -5,7 +5,8 @@
 struct Place {
     found: bool,
     index: vec2i,
-    layer: i32,
+    // where in its column
+    at: vec2f,
     t: f32,
 }
 
@@ -20,7 +21,7 @@ fn slack_at(t: f32) -> f32 {
 
 // The first cell that the ray meets between two distances, not counting the columns avoided.
 fn enter(probe: Probe, t_from: f32, t_end: f32, avoided: vec2i) -> Place {
-    var best = Place(false, vec2i(0), 0, t_end);
+    var best = Place(false, vec2i(0), vec2f(0.0), t_end);
     let origin = probe.ray.origin;
     let d = probe.ray.direction;
     let inverse = areal_safe(d.xy);
@@ -45,13 +46,12 @@ fn enter(probe: Probe, t_from: f32, t_end: f32, avoided: vec2i) -> Place {
     let stride = select(vec2i(-1), vec2i(1), forward);
     loop {
         let t_exit = min(min(t_next.x, t_next.y), last);
-        let index = voxel.y * i32(model.areal_dims.x) + voxel.x;
-        let range = heights[index];
+        let over = voxel_at(voxel);
         let z_a = origin.z + t * d.z;
         let z_b = origin.z + t_exit * d.z;
         let slack = slack_at(t_exit);
-        if (min(z_a, z_b) <= range.y + slack && max(z_a, z_b) >= range.x - slack) {
-            try_columns(probe, index, t_from, t_exit + slack, avoided, &best);
+        if (min(z_a, z_b) <= over.high + slack && max(z_a, z_b) >= over.low - slack) {
+            try_columns(probe, over, t_from, t_exit + slack, avoided, &best);
             if (best.found) {
                 break;
             }
@@ -76,62 +76,28 @@ fn enter(probe: Probe, t_from: f32, t_end: f32, avoided: vec2i) -> Place {
 
 // The nearest column over a voxel that the ray enters before t_last, as one tall cell.
 fn try_columns(
-    probe: Probe, voxel: i32, t_from: f32, t_last: f32, avoided: vec2i, best: ptr<function, Place>,
+    probe: Probe, over: Voxel, t_from: f32, t_last: f32, avoided: vec2i, best: ptr<function, Place>,
 ) {
-    for (var n = areal[voxel]; n < areal[voxel + 1]; n++) {
-        let column = i32(areal[n]);
-        if (column == avoided.x || column == avoided.y) {
+    for (var n = 0; n < over.count; n++) {
+        let index = listed_column(over.first + n);
+        let number = index.y * i32(model.columns.x) + index.x;
+        if (number == avoided.x || number == avoided.y) {
             continue;
         }
-        let width = i32(model.columns.x);
-        let index = vec2i(column % width, column / width);
         let frame = frame_of(index);
         let seen = seen_from(probe, frame);
-        let count = i32(frame.column.count);
-        let top = surface_z(frame, 0);
-        let bottom = surface_z(frame, count - 1);
-        if (misses(seen, top, bottom)) {
+        let top = corners_at(seen, surface_z(frame, 0));
+        let bottom = corners_at(seen, surface_z(frame, frame.column.count - 1));
+        if (misses(top, bottom)) {
             continue;
         }
-        let passage = cross_cell(seen, top, bottom, NO_FACE, 0.0);
+        let passage = cross_cell(top, bottom, NO_FACE, 0.0);
         let start = max(passage.near, t_from);
         if (passage.far_face == NO_FACE || passage.far <= t_from + slack_at(t_from)
             || start > t_last || start >= (*best).t) {
             continue;
         }
         let share = saturate((start - passage.near) / max(passage.far - passage.near, 1e-20));
-        let at = mix(passage.near_at, passage.far_at, share);
-        let z = probe.ray.origin.z + start * probe.ray.direction.z;
-        let layer = clamp(layer_around(frame, at.xy, z), 0, count - 2);
-        *best = Place(true, index, layer, start);
+        *best = Place(true, index, mix(passage.near_at, passage.far_at, share).xy, start);
     }
-}
-
-// The cell behind a face that the ray leaves a cell by; not found where there is none.
-fn next_cell(frame: Frame, layer: i32, face: i32, at: vec3f, z: f32, t: f32) -> Place {
-    var out = Place(false, frame.index, layer, t);
-    if (face == TOP || face == BOTTOM) {
-        out.layer = layer + select(-1, 1, face == BOTTOM);
-        out.found = out.layer >= 0 && out.layer + 1 < i32(frame.column.count);
-        return out;
-    }
-    out.index = frame.index + side_step(face);
-    if (!in_grid(out.index)) {
-        return out;
-    }
-    let next = column_at(out.index);
-    if (next.count == 0u) {
-        return out;
-    }
-    if (agrees(frame, next, face, layer)) {
-        out.layer = layer + i32(frame.column.first) - i32(next.first);
-        out.found = true;
-        return out;
-    }
-    // across a fault: the layer at this height, seen from the other side
-    let other = frame_of(out.index);
-    let across = at.xy - vec2f(side_step(face));
-    out.layer = layer_around(other, across, z);
-    out.found = out.layer >= 0 && out.layer + 1 < i32(next.count);
-    return out;
 }
