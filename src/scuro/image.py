@@ -68,11 +68,17 @@ class Image:
 
         return read_buffers(self._current_frame())
 
+    def _buffers(self) -> tuple[str, ...]:
+        from scuro.export.buffers import available
+
+        return () if self._frame is None else tuple(available(self._frame))
+
     def _current_frame(self) -> Frame:
         frame = self._frame
         if frame is None:
             raise SettingsError(
-                "a picture drawn in parts has no buffers: lower its size or --antialias"
+                "a picture drawn in parts keeps neither buffers nor more than 8 bits: lower its "
+                "size or --antialias, or let 'scuro render' write it"
             )
         if frame.targets.frame is not frame:
             raise SettingsError(
@@ -93,7 +99,7 @@ class Image:
         Args:
             path: Where to; what was there is replaced only when all is written.
             bits: 8 or 16 per channel (PNG, TIFF).
-            dpi: Resolution to state in the file.
+            dpi: Resolution to state in the file; by default the one in the settings.
             settings: What to note in the file; by default the picture's settings.
 
         Raises:
@@ -101,14 +107,17 @@ class Image:
             SaveError: The file cannot be written.
         """
         from scuro.export.image import Picture, save_picture
+        from scuro.render_settings import Settings
 
+        if dpi is None and isinstance(self._settings, Settings):
+            dpi = self._settings.dpi
         if settings is None and self._frame is not None:
             from scuro.export.scene_file import SceneFile
 
             settings = SceneFile(settings=self._frame.settings).as_dict()
         save_picture(
             path,
-            Picture(self.pixels, lambda: self.buffer("linear"), self.buffers, settings, bits, dpi),
+            Picture(self.pixels, self.buffer, self._buffers(), settings, bits, dpi),
         )
 
     def _repr_png_(self) -> bytes:

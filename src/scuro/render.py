@@ -155,7 +155,7 @@ class Renderer:
             dict(resources),
             dict(constants),
             scale,
-            scale * borders_reach(settings.borders),
+            borders_reach(settings.borders, scale * settings.px),
         )
         lighting = lighting_of(settings.lighting, scene.lighting)
         frame.resources["view"] = view_uniform(
@@ -193,17 +193,18 @@ class Renderer:
         filter_down(frame)
         return frame
 
-    def parts(self, settings: Settings, bands: int = 1) -> list[Part]:
+    def parts(self, settings: Settings, bands: int = 1, rows: int | None = None) -> list[Part]:
         """The parts in which a picture is drawn, row by row: one, unless it is large or stereo.
 
-        ``bands`` cuts a picture that could be drawn at once into about so many.
+        ``bands`` cuts a picture that could be drawn at once into about so many; ``rows`` are the
+        most that parts of a larger one shall keep.
         """
         settings = with_implied(settings)
         margin = (
             _SCREEN_SPACE / settings.antialias.scale
-            + borders_reach(settings.borders)
-            + halos_reach(settings.halos)
-            + focus_reach(settings.depth_of_field)
+            + borders_reach(settings.borders, settings.px)
+            + halos_reach(settings.halos, settings.px)
+            + focus_reach(settings.depth_of_field, settings.px)
             + FILTER_RADIUS
         )
         size = eye_size(settings.stereo, settings.size)
@@ -212,6 +213,7 @@ class Renderer:
             scale=settings.antialias.scale,
             margin=math.ceil(margin),
             max_texture=self.gpu.max_texture,
+            rows=rows,
         )
         if bands > 1 and len(parts) == 1:
             parts = split_bands(size, margin=math.ceil(margin), count=bands)
@@ -222,10 +224,13 @@ class Renderer:
         return sorted(both, key=lambda part: part.keep[1])
 
     def frames(
-        self, scene: Scene, camera: Camera, settings: Settings
+        self, scene: Scene, camera: Camera, settings: Settings, rows: int | None = None
     ) -> Iterator[tuple[Part, Frame]]:
-        """Draw a picture part by part; each frame is finished when it is given, until the next."""
-        for part in self.parts(settings):
+        """Draw a picture part by part; each frame is finished when it is given, until the next.
+
+        ``rows`` are the most that parts of a large picture shall keep.
+        """
+        for part in self.parts(settings, rows=rows):
             frame = self.frame(scene, camera, settings, part)
             self.timings: Timings = frame.recorder.submit()
             yield part, frame

@@ -19,11 +19,22 @@ from scuro.reference.path import PathSettings
 from scuro.settings import SettingsGroup, setting
 from scuro.style.reservoir_options import ReservoirSettings
 
+SCREEN_DPI = 96.0
+"""Resolution of a screen by convention (CSS): a picture without a resolution of its own has it."""
+
 
 class Settings(SettingsGroup):
     """Everything about a picture but the scene and the camera."""
 
     size: tuple[int, int] = setting((1280, 720), "width and height", low=1, high=65536, unit="px")
+    dpi: float | None = setting(
+        None,
+        "resolution to state in the file; what is given in px (lines, halos, blur) then keeps its "
+        "size on paper: 1 px is 1/96 inch",
+        low=1,
+        high=100_000,
+        unit="pixels an inch",
+    )
     background: str = setting("white", "colour behind the scene, or 'transparent'")
     visibility: str = setting(
         "auto",
@@ -58,3 +69,8 @@ class Settings(SettingsGroup):
     depth_of_field: FocusSettings = FocusSettings()
     antialias: AntialiasSettings = AntialiasSettings()
     stereo: StereoSettings = StereoSettings()
+
+    @property
+    def px(self) -> float:
+        """Pixels of the picture to a length of 1 px in other settings."""
+        return 1.0 if self.dpi is None else self.dpi / SCREEN_DPI

@@ -12,7 +12,8 @@ from PIL import Image
 
 from scuro.errors import LoadError, SaveError, SettingsError
 from scuro.export.files import replacing
-from scuro.export.image import Picture, display, encoded_srgb, save_buffers, save_picture
+from scuro.export.formats import display, encoded_srgb
+from scuro.export.image import Picture, save_buffers, save_picture
 from scuro.export.png import PngWriter, quantised, read_settings
 
 SETTINGS = {"style": "cartoon", "nested": {"samples": 16, "name": "Ångström"}}
@@ -20,7 +21,8 @@ SETTINGS = {"style": "cartoon", "nested": {"samples": 16, "name": "Ångström"}}
 
 def save(path, linear: np.ndarray, *, buffers=None, **about) -> None:
     pixels = quantised(display(linear), 8)
-    save_picture(path, Picture(pixels, lambda: linear, lambda: buffers or {}, **about))
+    arrays = {"linear": linear, **(buffers or {})}
+    save_picture(path, Picture(pixels, arrays.__getitem__, tuple(buffers or ()), **about))
 
 
 def picture(h: int = 13, w: int = 17, *, opaque: bool = True) -> np.ndarray:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import sys
 
 import numpy as np
+import OpenEXR
 import pytest
+import tifffile
 from PIL import Image
 
 from scuro.app.cli import run
@@ -20,7 +22,6 @@ from scuro.render_settings import Settings
 from scuro.scene.view import ViewSettings, view_camera
 
 
-@pytest.fixture
 def small_parts(monkeypatch):
     """As if the GPU could draw 352 × 352 samples at once."""
     monkeypatch.setattr(part, "fits", lambda *rest: False)
@@ -31,28 +32,82 @@ def small_parts(monkeypatch):
     )
 
 
-@pytest.mark.parametrize("bits", [8, 16])
-def test_a_printed_picture_is_the_rendered_one(tmp_path, small_parts, bits):
-    scene = SceneFile((Input(path="sample:1hpv"),)).scene()
-    settings = Settings(size=(500, 300)).replace(borders__width=2.0, background="transparent")
-    camera = view_camera(scene, ViewSettings(), 500 / 300)
-    renderer = Renderer()
+@pytest.fixture(scope="module")
+def renderer() -> Renderer:
+    return Renderer()
+
+
+@pytest.mark.parametrize(
+    ("name", "bits"), [("a.png", 8), ("a.png", 16), ("a.tif", 8), ("a.tif", 16), ("a.jpg", 8)]
+)
+def test_a_printed_picture_is_the_rendered_one(tmp_path, renderer, monkeypatch, name, bits):
+    scene, camera, settings = printed(background="transparent")
+    whole = renderer.render(scene, camera, settings)
+    whole.save(tmp_path / f"whole-{name}", bits=bits)
+    small_parts(monkeypatch)
     assert len(renderer.parts(settings)) > 2
-    path = tmp_path / "print.png"
-    save_in_parts(path, renderer, scene, camera, settings, bits=bits, dpi=300, note={"a": 1})
-    whole = renderer.render(scene, camera, settings).pixels
+    path = tmp_path / name
+    save_in_parts(path, renderer, scene, camera, settings, bits=bits, note={"a": 1})
+    pictures = [read(path), read(tmp_path / f"whole-{name}")]
+    assert pictures[0].shape == pictures[1].shape
+    assert np.abs(pictures[0] - pictures[1]).max() <= (1 if bits == 8 else 257)
     with Image.open(path) as image:
-        assert image.info["dpi"][0] == pytest.approx(300, abs=0.1)
-        printed = np.asarray(image.convert("RGBA")).astype(int)
-    assert np.abs(printed - whole).max() <= 1
-    assert read_settings(path) == {"a": 1}
+        assert image.info["dpi"][0] == pytest.approx(192, abs=0.1)
+    if name == "a.png":
+        assert read_settings(path) == {"a": 1}
 
 
-def test_only_png_is_printed_in_parts(tmp_path, small_parts):
+def test_a_printed_openexr_holds_the_rendered_layers(tmp_path, renderer, monkeypatch):
+    scene, camera, settings = printed(occlusion__technique="ray")
+    renderer.render(scene, camera, settings).save(tmp_path / "whole.exr")
+    small_parts(monkeypatch)
+    save_in_parts(tmp_path / "a.exr", renderer, scene, camera, settings)
+    printed_layers, layers = (
+        {
+            name: channel.pixels
+            for name, channel in OpenEXR.File(str(tmp_path / file), separate_channels=True)
+            .channels()
+            .items()
+        }
+        for file in ("a.exr", "whole.exr")
+    )
+    assert set(printed_layers) == set(layers) and "occlusion.visibility" in layers
+    for name, plane in layers.items():
+        found = printed_layers[name]
+        assert found.dtype == plane.dtype
+        if plane.dtype.kind == "u":
+            assert (found != plane).sum() <= 2, name
+        else:
+            near = np.isclose(found, plane, atol=2e-3) | (found == plane)
+            assert (~near).mean() < 1e-4, name
+
+
+def printed(**changes):
+    """A scene, camera and settings whose lines are twice as wide as on a screen."""
     scene = SceneFile((Input(path="sample:1hpv"),)).scene()
-    with pytest.raises(SettingsError, match="only PNG"):
-        save_in_parts(tmp_path / "a.tif", Renderer(), scene, view_camera(scene, ViewSettings(), 1),
-                      Settings())  # fmt: skip
+    settings = Settings(size=(500, 300)).replace(borders__width=2.0, dpi=192, **changes)
+    return scene, view_camera(scene, ViewSettings(), 500 / 300), settings
+
+
+def read(path) -> np.ndarray:
+    if path.suffix == ".tif":
+        return tifffile.imread(path).astype(int)
+    with Image.open(path) as image:
+        return np.asarray(image).astype(int)
+
+
+def test_what_a_format_cannot_hold_is_refused_before_anything_is_drawn(tmp_path):
+    scene, camera, settings = printed()
+    for name, changes, bits, words in (
+        ("a.webp", {"size": (16384, 8)}, 8, "at most 16383"),
+        ("a.jpg", {}, 16, "8 bits"),
+        ("a.bmp", {}, 8, "no picture format"),
+    ):
+        with pytest.raises(SettingsError, match=words):
+            save_in_parts(
+                tmp_path / name, None, scene, camera, settings.replace(**changes), bits=bits
+            )
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("name", sorted(looks.looks()))

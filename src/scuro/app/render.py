@@ -19,9 +19,12 @@ from scuro.measure.memory import peak_memory_mb
 if TYPE_CHECKING:
     from scuro.export.scene_file import SceneFile
     from scuro.image import Image
+    from scuro.passes.frame import Frame
     from scuro.render import Renderer
     from scuro.scene.camera import Camera
     from scuro.scene.scene import Scene
+
+_NOTHING = "scuro: clipping removes everything: this is the background"
 
 
 @with_document
@@ -43,7 +46,6 @@ if TYPE_CHECKING:
 @click.option(
     "--bits", type=click.Choice(["8", "16"]), default="8", help="Per channel. [default 8]"
 )
-@click.option("--dpi", type=click.FloatRange(1, 100_000), help="Resolution to state in the file.")
 @click.option("--device", metavar="N|NAME", help="The adapter to use: see 'scuro devices'.")
 @click.option(
     "--frames",
@@ -57,7 +59,6 @@ def command(
     buffers: str | None,
     inspect: str | None,
     bits: str,
-    dpi: float | None,
     device: str | None,
     frames: int | None,
     as_json: bool,
@@ -70,10 +71,10 @@ def command(
     which makes it again. Several inputs share one scene.
     """
     from scuro.export.files import check_writable
-    from scuro.export.image import format_writer
+    from scuro.export.formats import check_format
 
     document = take_document(values)
-    format_writer(output)
+    check_format(output, document.settings.size, int(bits))
     for path in filter(None, (output, buffers)):
         check_writable(path)
     seconds: dict[str, float | None] = {}
@@ -87,7 +88,7 @@ def command(
     if parts > 1 and (buffers or inspect):
         raise SettingsError("a picture drawn in parts has no buffers: lower --size or --antialias")
     if parts > 1:
-        _print(output, renderer, scene, camera, document, parts, bits=int(bits), dpi=dpi, note=note)
+        _print(output, renderer, scene, camera, document, parts, bits=int(bits), note=note)
         clock("first_frame")
     else:
         with stage("drawing"):
@@ -95,10 +96,10 @@ def command(
             _warn_of_nothing(scene, image)
             clock("first_frame")
         with stage(f"writing {output}"):
-            if inspect:
-                _save_inspected(image, inspect, output, dpi)
+if inspect:
+                _save_inspected(image, inspect, output, document.settings.dpi)
             else:
-                image.save(output, bits=int(bits), dpi=dpi, settings=note)
+                image.save(output, bits=int(bits), settings=note)
             if buffers:
                 from scuro.export.image import save_buffers
 
@@ -165,12 +166,16 @@ def _print(
     parts: int,
     **options: Any,
 ) -> None:
-    """Draw a picture in parts, those that are not PNGs in memory."""
-    if not output.lower().endswith(".png"):
-        image = renderer.render(scene, camera, document.settings)
-        image.save(output, bits=options["bits"], dpi=options["dpi"], settings=options["note"])
-        return
+    """Draw a picture in parts, straight into its file."""
+    from scuro.export.buffers import read_buffer
     from scuro.export.parts import save_in_parts
+
+    seen = not scene.clip.planes or bool(scene.volumes)
+
+    def done(frame: Frame) -> None:
+        nonlocal seen
+        seen = seen or bool((read_buffer(frame, "object") >= 0).any())
+        shown.advance(task)
 
     with progress() as shown:
         task = shown.add_task("drawing parts", total=parts)
@@ -180,9 +185,11 @@ def _print(
             scene,
             camera,
             document.settings,
-            on_part=lambda: shown.advance(task),
+            on_part=done,
             **options,
         )
+    if not seen:
+        click.echo(_NOTHING, err=True)
 
 
 def _save_inspected(image: Image, name: str, output: str, dpi: float | None) -> None:
@@ -196,7 +203,7 @@ def _save_inspected(image: Image, name: str, output: str, dpi: float | None) -> 
 def _warn_of_nothing(scene: Scene, image: Image) -> None:
     """Say so where clipping leaves nothing to see."""
     if scene.clip.planes and not scene.volumes and (image.buffer("object") < 0).all():
-        click.echo("scuro: clipping removes everything: this is the background", err=True)
+        click.echo(_NOTHING, err=True)
 
 
 def _steady(

@@ -38,7 +38,7 @@ def about(name: str) -> str:
 def with_look(document: SceneFile, name: str) -> SceneFile:
     """A document drawn in a look: representations, lights and settings are the look's.
 
-    The picture's size, its seed and its stereo mode stay.
+    The picture's size and resolution, its seed and its stereo mode stay.
 
     Raises:
         SettingsError: There is no such look, or its file names inputs.
@@ -51,7 +51,9 @@ def with_look(document: SceneFile, name: str) -> SceneFile:
     if look.input:
         raise SettingsError(f"{known[name]}: a look names no inputs")
     kept = document.settings
-    settings = look.settings.replace(size=kept.size, seed=kept.seed, stereo=kept.stereo)
+    settings = look.settings.replace(
+        size=kept.size, dpi=kept.dpi, seed=kept.seed, stereo=kept.stereo
+    )
     return replace(
         document,
         show=look.show or document.show,

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from itertools import groupby
+from collections.abc import Callable, Iterator, Mapping
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from scuro.errors import SettingsError
-from scuro.export.buffers import read_buffer
+from scuro.export.buffers import available, read_buffer
 from scuro.export.files import replacing
-from scuro.export.image import display
-from scuro.export.png import PngWriter, quantised
+from scuro.export.formats import Band, Header, check_format, format_of
+from scuro.passes.frame import Frame
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.scene import Scene
 from scuro.style.paint import linear_rgba
+
+_BAND_BYTES = 192 << 20
+"""Most memory for the rows that wait to be written."""
 
 
 def save_in_parts(
@@ -30,11 +31,10 @@ def save_in_parts(
     settings: Settings,
     *,
     bits: int = 8,
-    dpi: float | None = None,
     note: Mapping[str, Any] | None = None,
-    on_part: Callable[[], None] = lambda: None,
+    on_part: Callable[[Frame], None] = lambda frame: None,
 ) -> None:
-    """Draw a picture straight into a PNG; never more than a row of parts is held in memory.
+    """Draw a picture straight into a file; PNG, TIFF and OpenEXR hold no more than a row of parts.
 
     Args:
         path: Where to.
@@ -43,33 +43,49 @@ def save_in_parts(
         camera: From where.
         settings: How.
         bits: 8 or 16 per channel.
-        dpi: Resolution to state in the file.
         note: What to store in the file as the picture's settings.
-        on_part: Called after each part.
+        on_part: Called after each part with its frame.
 
     Raises:
-        SettingsError: The name is not a PNG's.
+        SettingsError: The format cannot hold this picture.
         SaveError: The file cannot be written; nothing is left half-written.
     """
-    if Path(path).suffix.lower() != ".png":
-        raise SettingsError(
-            f"{path}: a picture of {settings.size[0]} x {settings.size[1]} pixels with "
-            f"--antialias {settings.antialias.method} is drawn in parts, which only PNG can take"
-        )
-    width = settings.size[0]
-    channels = 3 if linear_rgba(settings.background)[3] == 1 else 4
-    kind = np.uint8 if bits == 8 else np.uint16
+    check_format(path, settings.size, bits)
+    format = format_of(path)
+    opaque = linear_rgba(settings.background)[3] == 1
     with replacing(path) as file:
-        writer = PngWriter(file, settings.size, channels, bits=bits, dpi=dpi, settings=note)
-        frames = renderer.frames(scene, camera, settings)
-        for (top, bottom), row in groupby(frames, lambda f: (f[0].rows.start, f[0].rows.stop)):
-            band = np.empty((bottom - top, width, channels), kind)
-            for part, frame in row:
-                if bits == 8:
-                    pixels = renderer.gpu.read_texture(frame.resources["picture"])
-                else:
-                    pixels = quantised(display(read_buffer(frame, "linear")), bits)
-                band[:, part.columns] = pixels[part.inside][..., :channels]
-                on_part()
-            writer.write_rows(band)
-        writer.finish()
+        most = max(_BAND_BYTES // (format.pixel_bytes * settings.size[0]), 1)
+        frames = renderer.frames(scene, camera, settings, rows=most)
+        first = next(frames)
+        header = Header(settings.size, opaque, bits, settings.dpi, note, tuple(available(first[1])))
+        needs = format.needs(header)
+
+        def rows() -> Iterator[Band]:
+            row: dict[str, NDArray] = {}
+            ends = -1
+            for part, frame in _chained(first, frames):
+                if part.rows.stop != ends:
+                    if row:
+                        yield row
+                    row, ends = {}, part.rows.stop
+                for name in needs:
+                    drawn = _read(frame, name)[part.inside]
+                    if name not in row:
+                        shape = (len(drawn), settings.size[0], *drawn.shape[2:])
+                        row[name] = np.empty(shape, drawn.dtype)
+                    row[name][:, part.columns] = drawn
+                on_part(frame)
+            yield row
+
+        format.write(file, header, rows())
+
+
+def _chained(first: Any, rest: Iterator[Any]) -> Iterator[Any]:
+    yield first
+    yield from rest
+
+
+def _read(frame: Frame, name: str) -> NDArray:
+    if name == "pixels":
+        return frame.gpu.read_texture(frame.resources["picture"])
+    return read_buffer(frame, name)

@@ -80,12 +80,17 @@ class Frame:
     resources: dict[str, Any] = field(default_factory=dict)
     constants: dict[str, float] = field(default_factory=dict)
     scale: int = 1
-    """Samples along the edge of an output pixel: what is set in pixels is that much wider here."""
+    """Samples along the edge of an output pixel."""
     margin: float = 0.0
     """Samples around surfaces in which tiled passes draw, too."""
 
     def __post_init__(self) -> None:
         self.targets.frame = self
+
+    @property
+    def px(self) -> float:
+        """Samples to a length of 1 px in the settings: see :attr:`Settings.px`."""
+        return self.scale * self.settings.px
 
     def target(
         self,

@@ -53,7 +53,13 @@ def fits(size: tuple[int, int], scale: int, max_texture: int) -> bool:
 
 
 def split(
-    size: tuple[int, int], *, scale: int, margin: int, max_texture: int, edge: int = _EDGE
+    size: tuple[int, int],
+    *,
+    scale: int,
+    margin: int,
+    max_texture: int,
+    edge: int = _EDGE,
+    rows: int | None = None,
 ) -> list[Part]:
     """Rows of parts, left to right and top to bottom, that together make the picture.
 
@@ -63,21 +69,25 @@ def split(
         margin: Output pixels that each part draws beyond what is kept.
         max_texture: Largest edge of a texture, in samples.
         edge: Largest edge of a part, in samples.
+        rows: Most rows that a part shall keep.
     """
     width, height = size
     if fits(size, scale, max_texture):
         return [Part((0, 0), size, (0, 0, width, height))]
     margin = _aligned(margin)
-    step = max((min(edge, max_texture) // scale - 2 * margin) // _ALIGN * _ALIGN, _ALIGN)
+    # wide margins are worth larger parts
+    edge = min(max(edge // scale, 4 * margin), max_texture // scale)
+    step = max((edge - 2 * margin) // _ALIGN * _ALIGN, _ALIGN)
+    down = step if rows is None else max(min(step, rows // _ALIGN * _ALIGN), _ALIGN)
     # all parts are of one size, so that one set of textures serves them all; the last of a row may
     # look a little beyond the picture
-    drawn = (min(step + 2 * margin, width), min(step + 2 * margin, height))
+    drawn = (min(step + 2 * margin, width), min(down + 2 * margin, height))
     parts = []
-    for top in range(0, height, step):
+    for top in range(0, height, down):
         for left in range(0, width, step):
             x = min(max(left - margin, 0), _aligned(width - drawn[0]))
             y = min(max(top - margin, 0), _aligned(height - drawn[1]))
-            keep = (left, top, min(left + step, width), min(top + step, height))
+            keep = (left, top, min(left + step, width), min(top + down, height))
             parts.append(Part((x, y), drawn, keep))
     return parts
 

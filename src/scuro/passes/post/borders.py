@@ -26,9 +26,9 @@ class BorderSettings(SettingsGroup):
     )
 
 
-def borders_reach(settings: BorderSettings) -> float:
-    """Distance in output pixels from which a pixel is influenced."""
-    return settings.width + 1 if settings.width else 0.0
+def borders_reach(settings: BorderSettings, px: float) -> float:
+    """Distance in pixels from which one is influenced; ``px`` of them are 1 px."""
+    return settings.width * px + 1 if settings.width else 0.0
 
 
 def draw_borders(frame: Frame) -> None:
@@ -44,7 +44,7 @@ def draw_borders(frame: Frame) -> None:
             "borders": {
                 "color": (red, green, blue),
                 "opacity": settings.opacity * alpha,
-                "width": settings.width * frame.scale,
+                "width": settings.width * frame.px,
                 "jump": max(full_jump(frame, settings.jump), 1e-6),
             }
         },

@@ -29,9 +29,9 @@ class FocusSettings(SettingsGroup):
     taps: int = setting(48, "pixels gathered for each", low=1, high=256)
 
 
-def focus_reach(settings: FocusSettings) -> float:
-    """Distance in output pixels from which a pixel is influenced."""
-    return settings.blur * _MOST if settings.blur else 0.0
+def focus_reach(settings: FocusSettings, px: float) -> float:
+    """Distance in pixels from which one is influenced; ``px`` of them are 1 px."""
+    return settings.blur * px * _MOST if settings.blur else 0.0
 
 
 _MOST = 2.0
@@ -55,8 +55,8 @@ def draw_focus(frame: Frame, scene: Scene) -> None:
         {
             "focus": {
                 "depth": focus,
-                "aperture": settings.blur * frame.scale / max(unit, 1e-6),
-                "most": settings.blur * frame.scale * _MOST,
+                "aperture": settings.blur * frame.px / max(unit, 1e-6),
+                "most": settings.blur * frame.px * _MOST,
                 "perspective": int(perspective),
                 "taps": settings.taps,
             }

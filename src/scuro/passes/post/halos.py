@@ -25,9 +25,9 @@ MOST_REDUCTION = 16
 """Depth is averaged over squares of at most so many pixels before it is blurred."""
 
 
-def halos_reach(settings: HaloSettings) -> float:
-    """Distance in output pixels from which a pixel is influenced."""
-    return settings.width + MOST_REDUCTION if settings.width else 0.0
+def halos_reach(settings: HaloSettings, px: float) -> float:
+    """Distance in pixels from which one is influenced; ``px`` of them are 1 px."""
+    return settings.width * px + MOST_REDUCTION if settings.width else 0.0
 
 
 def draw_halos(frame: Frame) -> None:
@@ -35,7 +35,7 @@ def draw_halos(frame: Frame) -> None:
     settings = frame.settings.halos
     if not settings.width:
         return
-    width = settings.width * frame.scale
+    width = settings.width * frame.px
     # a blur needs few samples across its width: power of two, so that tiles agree on the squares
     reduction = 1
     while reduction < MOST_REDUCTION and reduction * 8 <= width:
