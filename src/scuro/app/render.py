@@ -96,7 +96,7 @@ def command(
             _warn_of_nothing(scene, image)
             clock("first_frame")
         with stage(f"writing {output}"):
-if inspect:
+            if inspect:
                 _save_inspected(image, inspect, output, document.settings.dpi)
             else:
                 image.save(output, bits=int(bits), settings=note)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
-from scuro.export.image import encoded_srgb
+from scuro.export.formats import encoded_srgb
 from scuro.gpu.texel import TEXEL
 from scuro.settings import unknown
 
