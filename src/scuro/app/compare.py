@@ -17,17 +17,22 @@ from scuro.settings import unknown, walk
 if TYPE_CHECKING:
     from scuro.measure.compare import Drawn, Variant
     from scuro.measure.report import Row
+    from scuro.render_settings import Settings
 
-_REFERENCE = "ray,samples=1024"
+_DEFAULTS = {"occlusion": "ray,samples=1024", "light": "monte-carlo,samples=64"}
+"""References by what is varied: occlusion of surfaces, light in volumes."""
+_MOST_DIFFERENCE = 20.0
+"""CIE ΔE2000 that difference maps show as brightest."""
+_OTHER_QUESTION = {"light": ("path",)}
+"""Values that are compared only when named: they are slow, and show other light."""
 
 
 @with_document
 @click.command(cls=SettingsCommand)
 @click.option(
     "--vary",
-    default="occlusion",
     metavar="SETTING",
-    help="The setting whose values are compared. [default occlusion]",
+    help="The setting whose values are compared. [default occlusion; light for volumes]",
 )
 @click.option(
     "--techniques",
@@ -37,9 +42,14 @@ _REFERENCE = "ray,samples=1024"
 )
 @click.option(
     "--reference",
-    default=_REFERENCE,
     metavar="NAME[,key=…]",
-    help=f"What they are held against: a value, and settings of its group. [default {_REFERENCE}]",
+    help="What they are held against: a value, and settings of its group. "
+    f"[default {_DEFAULTS['occlusion']}; {_DEFAULTS['light']} for volumes]",
+)
+@click.option(
+    "--fit",
+    is_flag=True,
+    help="Fit the attenuation of each technique for volumes to the reference first.",
 )
 @click.option(
     "--frames",
@@ -54,9 +64,10 @@ _REFERENCE = "ray,samples=1024"
 @click.option("--device", metavar="N|NAME", help="The adapter to use: see 'scuro devices'.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def command(
-    vary: str,
+    vary: str | None,
     techniques: str,
-    reference: str,
+    reference: str | None,
+    fit: bool,
     frames: int,
     output: str,
     device: str | None,
@@ -66,26 +77,37 @@ def command(
     """Hold every technique against the reference.
 
     Draws IN with each value of a setting and with the reference, all else equal, and writes into a
-    folder the pictures, a labelled contact sheet and compare.json with times, RMSE, PSNR, SSIM,
-    mean CIE ΔE2000, FLIP and local contrast, over the object's pixels and over the whole picture.
+    folder the pictures, maps of their CIELAB difference (ΔE2000), labelled contact sheets of both,
+    and compare.json with times, RMSE, PSNR, SSIM, mean CIE ΔE2000, FLIP and local contrast, over
+    the object's pixels and over the whole picture.
     """
     from scuro.measure.compare import compare, variants
+    from scuro.measure.fit import rgb
+    from scuro.measure.metrics import delta_e_map
     from scuro.measure.report import table, write_json
-    from scuro.measure.sheet import contact_sheet
+    from scuro.measure.sheet import contact_sheet, difference_picture
     from scuro.passes.post.stereo import eye_size
     from scuro.render import Renderer
     from scuro.scene.view import view_camera
 
     document = take_document(values)
-    truth = reference_variant(vary, reference)
-    chosen = variants(vary, () if techniques == "all" else techniques.split(","))
-    folder = _made(output)
+    named = () if techniques == "all" else tuple(techniques.split(","))
+    if vary is not None:  # wrong words are told before anything is read
+        variants(vary, named)
+        reference_variant(vary, reference or variants(vary)[0].name)
     with stage("reading"):
         scene = document.scene()
+    vary = vary or ("light" if scene.volumes and not scene.bodies() else "occlusion")
+    if reference is None and vary not in _DEFAULTS:
+        raise SettingsError(f"say what to hold the values of '{vary}' against: --reference NAME")
+    truth = reference_variant(vary, reference or _DEFAULTS[vary])
+    chosen = _chosen(vary, named, truth, document.settings)
+    folder = _made(output)
     renderer = Renderer(device)
     width, height = eye_size(document.settings.stereo, document.settings.size)
     camera = view_camera(scene, document.view, width / height)
     pictures: dict[str, Any] = {}
+    maps: dict[str, Any] = {}
     files: list[str] = []
     with progress() as shown:
         task = shown.add_task("comparing", total=len(chosen) + 1)
@@ -95,6 +117,11 @@ def command(
             pictures[label] = drawn.pixels
             files.append(f"{label.replace(': ', '-')}.png")
             _write(folder / files[-1], drawn)
+            if row.object is not None:
+                first = next(iter(pictures.values()))
+                difference = delta_e_map(rgb(drawn.pixels), rgb(first))
+                maps[label] = difference_picture(difference, _MOST_DIFFERENCE)
+                _write_map(folder / f"{label}-difference.png", maps[label])
             shown.advance(task)
 
         rows = compare(
@@ -105,11 +132,15 @@ def command(
             chosen,
             truth,
             frames=frames,
+            fit=fit,
             on_drawn=keep,
         )
     rows = [replace(row, image=file) for row, file in zip(rows, files, strict=True)]
     notes = {label: _note(row) for label, row in zip(pictures, rows, strict=True)}
     _save_sheet(folder / "sheet.png", contact_sheet(pictures, notes))
+    if maps:
+        told = {label: f"{notes[label]} · yellow: dE {_MOST_DIFFERENCE:.0f}" for label in maps}
+        _save_sheet(folder / "differences.png", contact_sheet(maps, told))
     about: dict[str, Any] = {
         "input": [line.path for line in document.input],
         "atoms": sum(len(item.molecule) for item in scene.molecules),
@@ -121,8 +152,23 @@ def command(
         print_json({**about, "techniques": [row.as_dict() for row in rows]})
         return
     names = ", ".join(about["input"])
-    print_table(table(rows, f"{names}, {about['atoms']:,} atoms"))
-    click.echo(f"pictures, sheet.png and compare.json are in {folder}")
+    voxels = sum(item.volume.values.size for item in scene.volumes)
+    size = f"{voxels:,} voxels" if voxels else f"{about['atoms']:,} atoms"
+    print_table(table(rows, f"{names}, {size}"))
+    click.echo(f"pictures, sheet.png, differences.png and compare.json are in {folder}")
+
+
+def _chosen(vary: str, named: tuple[str, ...], truth: Variant, settings: Settings) -> list[Variant]:
+    """The variants to compare: those named, or all that are not the reference itself."""
+    from scuro.measure.compare import variants
+
+    same = settings.replace(**truth.changes)
+    others = [
+        variant for variant in variants(vary)
+        if variant.name not in _OTHER_QUESTION.get(vary, ())
+        and settings.replace(**variant.changes) != same
+    ]  # fmt: skip
+    return variants(vary, named) if named else others
 
 
 def reference_variant(vary: str, text: str) -> Variant:
@@ -168,6 +214,12 @@ def _write(path: Path, drawn: Drawn) -> None:
     from scuro.image import Image
 
     Image(drawn.pixels).save(path, settings=drawn.variant.changes)
+
+
+def _write_map(path: Path, pixels: Any) -> None:
+    from PIL import Image
+
+    _save_sheet(path, Image.fromarray(pixels))
 
 
 def _save_sheet(path: Path, sheet: Any) -> None:

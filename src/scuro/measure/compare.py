@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
+from scuro.measure.fit import Fitter, rgb
 from scuro.measure.metrics import rmse, score
 from scuro.measure.report import Row
 from scuro.render_settings import Settings
@@ -117,12 +118,14 @@ def compare(
     reference: Variant,
     *,
     frames: int = 3,
+    fit: bool = False,
     on_drawn: Callable[[Drawn, Row], None] = lambda drawn, row: None,
 ) -> list[Row]:
     """Draw the reference and all variants with equal settings otherwise, and score them.
 
     Args:
         frames: Frames timed for each.
+        fit: Fit each variant's attenuation to the reference first (volumes).
         on_drawn: Called after each picture, the reference's first.
 
     Raises:
@@ -133,14 +136,16 @@ def compare(
         raise SettingsError("the picture is empty: there is nothing to compare")
     rows = [Row(reference.name, _settings(reference), truth.milliseconds)]
     on_drawn(truth, rows[0])
-    for variant in variants:
+    fitter = Fitter(renderer, scene, camera, settings, reference) if fit else None
+    for given in variants:
+        variant = fitter.fitted(given) if fitter else given
         drawn = draw(renderer, scene, camera, settings, variant, frames)
         row = Row(
             variant.name,
             _settings(variant),
             drawn.milliseconds,
-            score(_rgb(drawn), _rgb(truth), truth.object_mask),
-            score(_rgb(drawn), _rgb(truth)),
+            score(rgb(drawn.pixels), rgb(truth.pixels), truth.object_mask),
+            score(rgb(drawn.pixels), rgb(truth.pixels)),
             notes=_visibility_error(drawn, truth),
         )
         rows.append(row)
@@ -150,12 +155,6 @@ def compare(
 
 def _settings(variant: Variant) -> dict[str, Any]:
     return {key.replace("__", "."): value for key, value in variant.changes.items()}
-
-
-def _rgb(drawn: Drawn) -> NDArray[np.float64]:
-    """sRGB over black where the background is transparent."""
-    values = drawn.pixels / 255
-    return values[..., :3] * values[..., 3:]
 
 
 def _visibility_error(drawn: Drawn, truth: Drawn) -> dict[str, float]:

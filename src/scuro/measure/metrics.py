@@ -114,6 +114,16 @@ def delta_e(image: ArrayLike, reference: ArrayLike, mask: NDArray | None = None)
     return float(np.mean(deltaE_ciede2000(rgb2lab(a), rgb2lab(b))))
 
 
+def delta_e_map(image: ArrayLike, reference: ArrayLike) -> NDArray[np.float64]:
+    """CIE ΔE2000 of every pixel, (h, w)."""
+    try:
+        from skimage.color import deltaE_ciede2000, rgb2lab
+    except ImportError:
+        raise MissingExtraError("picture measures", "measure") from None
+    a, b = (rgb2lab(_rgb(x)) for x in _pair(image, reference))
+    return np.asarray(deltaE_ciede2000(a, b), np.float64)
+
+
 def flip(image: ArrayLike, reference: ArrayLike, mask: NDArray | None = None) -> float:
     """Mean FLIP error (Andersson et al. 2020) at 67 pixels per degree, 0 to 1."""
     try:

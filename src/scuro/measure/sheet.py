@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from scuro.errors import SettingsError
 
@@ -59,6 +59,15 @@ def contact_sheet(
         if notes and name in notes:
             draw.text((x, y + cell_h + 2 + round(size * 1.3)), notes[name], _GREY, small)
     return sheet
+
+
+def difference_picture(difference: NDArray, most: float) -> NDArray[np.uint8]:
+    """A map of differences, black for none to pale yellow for ``most`` and more: (h, w, 3)."""
+    import cmap
+
+    colors = np.asarray(cmap.Colormap("matplotlib:inferno")(np.linspace(0, 1, 256)))[:, :3]
+    index = np.clip(np.asarray(difference) / most * 255, 0, 255).astype(int)
+    return (colors * 255 + 0.5).astype(np.uint8)[index]
 
 
 def _thumb(picture: ArrayLike, width: int) -> Image:
