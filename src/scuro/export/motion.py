@@ -15,6 +15,7 @@ from scuro.errors import LoadError, SettingsError
 from scuro.export import toml
 from scuro.export.looks import with_look
 from scuro.export.scene_file import SceneFile
+from scuro.export.zoom import zoom_of, zoom_settings
 from scuro.load.trajectory import Trajectory, open_trajectory
 from scuro.passes.post.stereo import eye_size
 from scuro.render_settings import Settings
@@ -38,14 +39,20 @@ class MovieSettings(SettingsGroup):
 
     motion: str = setting(
         "turntable",
-        "the camera's own: once around, to and fro, or none",
-        choices=("turntable", "rock", "none"),
+        "the camera's own: once around, to and fro, from the whole to single atoms, or none",
+        choices=("turntable", "rock", "zoom", "none"),
     )
     length: int | None = setting(
-        None, "number of frames (default: 120, or one a model with --play)", low=1, high=100_000
+        None,
+        "number of frames (default: 120, 240 zooming, or one a model with --play)",
+        low=1,
+        high=100_000,
     )
     fps: float = setting(30.0, "frames a second", low=1, high=120)
     swing: float = setting(20.0, "how far rocking goes to each side", low=0, high=180, unit="deg")
+    zoom_to: tuple[float, float, float] | None = setting(
+        None, "where zooming lands, in the file's coordinates; by default what is in the middle"
+    )
     play: bool = setting(
         False, "play through the models of the file, or the frames of --trajectory"
     )
@@ -83,8 +90,12 @@ class Motion:
         width, height = eye_size(document.settings.stereo, document.settings.size)
         self._aspect = width / height
         self._camera = view_camera(
-            self.scene, document.view, self._aspect, turning=movie.motion != "none"
+            self.scene, document.view, self._aspect, turning=movie.motion in ("turntable", "rock")
         )
+        self._zoom = None
+        if movie.motion == "zoom":
+            self._zoom = zoom_of(self.scene, self._camera, movie.zoom_to)
+            self.settings = zoom_settings(self.scene, self.settings)
         self._clip = self.scene.clip
         if movie.sweep and not self._clip.planes:
             raise SettingsError("--sweep moves clipping planes: give --clip, too")
@@ -97,7 +108,9 @@ class Motion:
             return self.movie.length
         if self._keys:
             return round(self._keys[-1][0] * self.movie.fps) + 1
-        return len(self._trajectory) if self._trajectory is not None else 120
+        if self._trajectory is not None:
+            return len(self._trajectory)
+        return 240 if self._zoom is not None else 120
 
     def _open_trajectory(self, document: SceneFile) -> Trajectory:
         if len(document.input) != 1 or len(self.scene.molecules) != 1:
@@ -123,6 +136,8 @@ class Motion:
         camera = self._key_camera(frame / self.movie.fps) if self._keys else self._camera
         if self.movie.motion == "turntable" and not self._keys:
             camera = camera.orbited(360 * turn, 0)
+        elif self._zoom is not None and not self._keys:
+            camera = self._zoom.camera(share)
         elif self.movie.motion == "rock":
             camera = camera.orbited(self.movie.swing * math.sin(2 * math.pi * turn), 0)
         self.scene.clip = self._swept(share)

@@ -197,7 +197,7 @@ def _blurred(frame: Frame, calm: dict[str, Any], name: str, amount: int) -> Any:
     for step, target in (((1, 0), f"{name}_x"), ((0, 1), f"{name}_blurred")):
         blur = {
             "step": step,
-            "amount": amount,
+            "amount": amount * frame.scale,
             "depth_limit": _depth_limit(frame, settings),
             "normal_limit": settings.blur_normal,
         }
