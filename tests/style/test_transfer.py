@@ -120,3 +120,16 @@ def test_automatic_shows_the_object_and_not_the_background(shared):
 
 def test_constant_volume_is_clear():
     assert automatic(Volume(np.ones((2, 2, 2), np.float32))).opacities == ((1.0, 0.0),)
+
+
+def test_automatic_shows_matter_that_is_darker_than_its_surroundings():
+    """A tomogram: dark shells in noise, of which the brightest voxels tell nothing."""
+    rng = np.random.default_rng(4)
+    z, y, x = np.indices((48, 48, 48)) - 23.5
+    shell = np.abs(np.hypot(np.hypot(x, y), z) - 15) < 1.5
+    values = (rng.normal(5, 6, shell.shape) - 25 * shell).astype(np.float32)
+    shown = automatic(Volume(values, value_name="density")).opacity(values) > 0.05
+    assert shown[shell].mean() > 0.3 > 20 * shown[~shell].mean()
+    # bright matter in the same noise is shown as before
+    shown = automatic(Volume(-values, value_name="density")).opacity(-values) > 0.05
+    assert shown[shell].mean() > 0.3 > 20 * shown[~shell].mean()

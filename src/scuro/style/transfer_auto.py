@@ -12,6 +12,15 @@ LABEL_COLORS = "tab20"
 DENSE = 0.6
 """Opacity of one voxel well inside what is shown."""
 
+LEAST_ABOVE = 0.985
+"""At least the values above this quantile are shown."""
+
+DARK_SKEWNESS = -0.3
+"""Skewness of small blocks' means below which a map's matter is taken to be the dark part."""
+
+CONTOUR = 0.12
+"""How soft the surface of a density map is, as a share of its height over the background."""
+
 WARM = (
     (0.0, 0.55, 0.27, 0.18),
     (0.35, 0.85, 0.58, 0.40),
@@ -27,6 +36,7 @@ def automatic(volume: Volume) -> TransferFunction:
     - Labels: a colour each; the most frequent label is the background, and clear.
     - Hounsfield units (integers from air at -1000 to bone): skin faint, bone dense.
     - A signed field with its mode near zero (potentials, difference maps): both signs, two colours.
+    - A density map whose matter is darker than what surrounds it (cryo-tomograms): the low values.
     - Anything else: Otsu's threshold between background and object; denser above it.
     """
     low, high = volume.value_range
@@ -44,6 +54,8 @@ def automatic(volume: Volume) -> TransferFunction:
         and min(-low, high) > 0.3 * max(-low, high)
     ):
         return _signed(volume)
+    if volume.value_name == "density" and _skewness(volume) < DARK_SKEWNESS:
+        return _dark_matter(volume)
     return _density(volume, mode, spread)
 
 
@@ -104,16 +116,50 @@ def _signed(volume: Volume) -> TransferFunction:
 
 def _density(volume: Volume, mode: float, spread: float) -> TransferFunction:
     low, high = volume.value_range
+    maps = volume.value_name == "density"
     threshold = otsu(volume.histogram, low, high)
     if spread > (high - low) / 200:
         # a noisy background around a small object pulls Otsu's threshold down into the noise
         threshold = max(threshold, mode + 4 * spread)
+    # whatever the histogram looks like, a first sight of nothing helps nobody
+    threshold = min(threshold, float(np.quantile(volume.values[::2, ::2, ::2], LEAST_ABOVE)))
     inside = volume.values[::2, ::2, ::2]
     inside = inside[inside > threshold]
     top = float(np.quantile(inside, 0.98)) if inside.size else high
     top = max(top, threshold + 0.05 * (high - low))
-    ramp = 0.15 * (top - threshold)
-    span = top - (threshold - ramp)
-    colors = tuple((threshold - ramp + place * span, *rgb) for place, *rgb in WARM)
-    opacities = ((threshold - ramp, 0.0), (threshold + ramp, 0.35 * DENSE), (top, DENSE))
+    # a map's surface is a contour, as its users know it; other matter begins softly
+    ramp = CONTOUR * (threshold - mode) if maps else 0.15 * (top - threshold)
+    start = threshold - ramp
+    if start < mode + 3 * spread:
+        start = min(mode + 3 * spread, threshold)
+    full = threshold + ramp
+    span = top - start
+    colors = tuple((start + place * span, *rgb) for place, *rgb in WARM)
+    opacities = ((start, 0.0), (full, DENSE if maps else 0.35 * DENSE), (max(top, full), DENSE))
     return TransferFunction(colors, opacities, name="density")  # type: ignore[arg-type]
+
+
+def _skewness(volume: Volume) -> float:
+    """Of the means of blocks of 3³ voxels: single voxels of a tomogram are mostly noise."""
+    kept = tuple(slice(0, n // 3 * 3) for n in volume.values.shape)
+    values = volume.values[kept].astype(np.float32)
+    if not values.size:
+        return 0.0
+    z, y, x = values.shape
+    means = values.reshape(z // 3, 3, y // 3, 3, x // 3, 3).mean(axis=(1, 3, 5))
+    low, high = np.quantile(means, (0.001, 0.999))  # gold markers are no matter
+    means = means.clip(low, high) - means.clip(low, high).mean()
+    spread = float(means.std())
+    return float((means**3).mean()) / spread**3 if spread > 0 else 0.0
+
+
+def _dark_matter(volume: Volume) -> TransferFunction:
+    values = volume.values[::2, ::2, ::2]
+    low = volume.value_range[0]
+    full, start = (float(q) for q in np.quantile(values, (0.0125, 0.04)))
+    full = max(full, low)
+    start = max(start, full + 1e-6 * (volume.value_range[1] - low))
+    span = start - low
+    colors = tuple((start - place * span, *rgb) for place, *rgb in reversed(WARM))
+    opacities = ((low, DENSE), (full, DENSE), (start, 0.0))
+    return TransferFunction(colors, opacities, name="dark matter")  # type: ignore[arg-type]
