@@ -18,6 +18,7 @@ from scuro.scene.camera import Camera
 from scuro.scene.cornerpoint import CornerPointGrid
 from scuro.scene.cornerpoint_synthetic import faulted_dome
 from scuro.scene.cornerpoint_topology import vertex_values
+from scuro.scene.geometry import Body, Geometry
 from scuro.scene.scene import Scene
 
 SIZE = (72, 56)
@@ -335,3 +336,47 @@ def test_default_limits() -> None:
     gpu = Gpu(default_limits=True)
     color = picture(Renderer(gpu=gpu), faulted_dome(8, 8, 4), raw=True, strategy__occlusion=True)
     assert color[..., 3].max() > 0.05
+
+
+def ball_at(height: float) -> Body:
+    geometry = Geometry(
+        spheres=np.array([[0, 0, 0, 9]], np.float32),
+        sphere_colors=np.full((1, 4), 255, np.uint8),
+        sphere_ids=np.zeros(1, np.int32),
+    )
+    return Body(geometry, positions=np.array([[30.0, 30.0, height]]))
+
+
+def test_solids_and_the_model_take_light_from_each_other(renderer: Renderer) -> None:
+    """A ball in a block shades what lies below, and gets less light through the block."""
+    grid = box(6, 6, 3)
+    settings = scuro.Settings(size=SIZE).replace(
+        reservoir__wells=False, reservoir__exaggeration=1.0, reservoir__opacity="0:0.3 1:0.3",
+        occlusion__technique="none", shadows__technique="none",
+    )  # fmt: skip
+    camera = Camera.fitted(
+        np.array([[0, 0, -130], [60, 60, -70]]), direction=(0, -1, 0.2), up=(0, 0, 1), aspect=1.3
+    )
+
+    def drawn(height: float | None, **changes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        scene = Scene().add(grid)
+        scene.extra_bodies = [ball_at(height)] if height is not None else []
+        frame = renderer.frame(scene, camera, settings.replace(**changes))
+        frame.recorder.submit()
+        read = renderer.gpu.read_texture
+        names = ("volume_color", "color", "surface")
+        return tuple(read(frame.resources[name]).astype(float) for name in names)
+
+    shadow = {"strategy__shadow": True}
+    volume, _, surface = drawn(-106.0, **shadow)
+    alone, _, _ = drawn(None, **shadow)
+    seen = (alone[..., 3] > 0.1) & (surface[..., 3] == 0)
+    assert (volume[seen, :3] <= alone[seen, :3] + 1e-2).all()
+    assert volume[seen, :3].sum() < 0.995 * alone[seen, :3].sum()
+    assert np.abs(volume[seen, 3] - alone[seen, 3]).max() < 1e-3
+    left = []
+    for changes in ({}, shadow):
+        volume, color, surface = drawn(-115.0, **changes)
+        ball = surface[..., 3] > 0
+        left.append((color - volume)[ball, :3].sum())
+    assert left[1] < 0.85 * left[0]

@@ -18,9 +18,14 @@ if TYPE_CHECKING:
     from scuro.measure.compare import Drawn, Variant
     from scuro.measure.report import Row
     from scuro.render_settings import Settings
+    from scuro.scene.scene import Scene
 
-_DEFAULTS = {"occlusion": "ray,samples=1024", "light": "monte-carlo,samples=64"}
-"""References by what is varied: occlusion of surfaces, light in volumes."""
+_DEFAULTS = {
+    "occlusion": "ray,samples=1024",
+    "light": "monte-carlo,samples=64",
+    "strategy": "plts",
+}
+"""References by what is varied: occlusion of surfaces, light in volumes, rays in reservoirs."""
 _MOST_DIFFERENCE = 20.0
 """CIE ΔE2000 that difference maps show as brightest."""
 _OTHER_QUESTION = {"light": ("path",)}
@@ -32,7 +37,8 @@ _OTHER_QUESTION = {"light": ("path",)}
 @click.option(
     "--vary",
     metavar="SETTING",
-    help="The setting whose values are compared. [default occlusion; light for volumes]",
+    help="The setting whose values are compared. [default occlusion; light for volumes; "
+    "strategy for reservoirs]",
 )
 @click.option(
     "--techniques",
@@ -44,12 +50,19 @@ _OTHER_QUESTION = {"light": ("path",)}
     "--reference",
     metavar="NAME[,key=…]",
     help="What they are held against: a value, and settings of its group. "
-    f"[default {_DEFAULTS['occlusion']}; {_DEFAULTS['light']} for volumes]",
+    f"[default {_DEFAULTS['occlusion']}; {_DEFAULTS['light']} for volumes; "
+    f"{_DEFAULTS['strategy']} for reservoirs]",
 )
 @click.option(
     "--fit",
     is_flag=True,
     help="Fit the attenuation of each technique for volumes to the reference first.",
+)
+@click.option(
+    "--turns",
+    type=click.IntRange(2, 180),
+    metavar="N",
+    help="Compare in N views of a half turn about each of the axes X, Y and Z, and give the means.",
 )
 @click.option(
     "--frames",
@@ -68,6 +81,7 @@ def command(
     techniques: str,
     reference: str | None,
     fit: bool,
+    turns: int | None,
     frames: int,
     output: str,
     device: str | None,
@@ -85,6 +99,8 @@ def command(
     from scuro.measure.fit import rgb
     from scuro.measure.metrics import delta_e_map
     from scuro.measure.report import table, write_json
+    from scuro.measure.turns import AXES, compare_turned, means
+    from scuro.measure.turns import table as table_of_views
     from scuro.measure.sheet import contact_sheet, difference_picture
     from scuro.passes.post.stereo import eye_size
     from scuro.render import Renderer
@@ -97,7 +113,7 @@ def command(
         reference_variant(vary, reference or variants(vary)[0].name)
     with stage("reading"):
         scene = document.scene()
-    vary = vary or ("light" if scene.volumes and not scene.bodies() else "occlusion")
+    vary = vary or _question(scene)
     if reference is None and vary not in _DEFAULTS:
         raise SettingsError(f"say what to hold the values of '{vary}' against: --reference NAME")
     truth = reference_variant(vary, reference or _DEFAULTS[vary])
@@ -109,35 +125,40 @@ def command(
     pictures: dict[str, Any] = {}
     maps: dict[str, Any] = {}
     files: list[str] = []
+    drawn_rows: list[Row] = []
     with progress() as shown:
-        task = shown.add_task("comparing", total=len(chosen) + 1)
+        total = (len(chosen) + 1) * (len(AXES) * turns if turns else 1)
+        task = shown.add_task("comparing", total=total)
+        first: Any = None
 
-        def keep(drawn: Drawn, row: Row) -> None:
+        def keep(drawn: Drawn, row: Row, view: str = "") -> None:
+            nonlocal first
             label = f"reference: {row.technique}" if row.object is None else row.technique
+            label = f"{label} {view}".strip()
+            first = drawn.pixels if row.object is None else first
             pictures[label] = drawn.pixels
+            drawn_rows.append(row)
             files.append(f"{label.replace(': ', '-')}.png")
             _write(folder / files[-1], drawn)
             if row.object is not None:
-                first = next(iter(pictures.values()))
                 difference = delta_e_map(rgb(drawn.pixels), rgb(first))
                 maps[label] = difference_picture(difference, _MOST_DIFFERENCE)
                 _write_map(folder / f"{label}-difference.png", maps[label])
             shown.advance(task)
 
-        rows = compare(
-            renderer,
-            scene,
-            camera,
-            document.settings,
-            chosen,
-            truth,
-            frames=frames,
-            fit=fit,
-            on_drawn=keep,
-        )
-    rows = [replace(row, image=file) for row, file in zip(rows, files, strict=True)]
-    notes = {label: _note(row) for label, row in zip(pictures, rows, strict=True)}
-    _save_sheet(folder / "sheet.png", contact_sheet(pictures, notes))
+        how = (renderer, scene, camera, document.settings, chosen, truth)
+        if turns:
+            views = compare_turned(
+                *how, turns, frames=frames, fit=fit,
+                on_drawn=lambda view, drawn, row: keep(drawn, row, view),
+            )  # fmt: skip
+            rows = means(views)
+        else:
+            rows = compare(*how, frames=frames, fit=fit, on_drawn=keep)
+            rows = [replace(row, image=file) for row, file in zip(rows, files, strict=True)]
+    notes = {label: _note(row) for label, row in zip(pictures, drawn_rows, strict=True)}
+    columns = len(chosen) + 1 if turns else None
+    _save_sheet(folder / "sheet.png", contact_sheet(pictures, notes, columns=columns))
     if maps:
         told = {label: f"{notes[label]} · yellow: dE {_MOST_DIFFERENCE:.0f}" for label in maps}
         _save_sheet(folder / "differences.png", contact_sheet(maps, told))
@@ -147,15 +168,33 @@ def command(
         "adapter": str(renderer.gpu.info),
         "settings": document.as_dict(),
     }
+    if turns:
+        about["views"] = [view.as_dict() for view in views]
     write_json(folder / "compare.json", rows, **about)
     if as_json:
         print_json({**about, "techniques": [row.as_dict() for row in rows]})
         return
     names = ", ".join(about["input"])
-    voxels = sum(item.volume.values.size for item in scene.volumes)
-    size = f"{voxels:,} voxels" if voxels else f"{about['atoms']:,} atoms"
-    print_table(table(rows, f"{names}, {size}"))
+    seen = f", mean of {len(views)} views" if turns else ""
+    print_table(table(rows, f"{names}, {_size(scene)}{seen}"))
+    if turns:
+        print_table(table_of_views(views))
     click.echo(f"pictures, sheet.png, differences.png and compare.json are in {folder}")
+
+
+def _question(scene: Scene) -> str:
+    """What there is to compare in a scene."""
+    if scene.reservoirs and len(scene.reservoirs) == len(scene.items):
+        return "strategy"
+    return "light" if scene.volumes and not scene.bodies() else "occlusion"
+
+
+def _size(scene: Scene) -> str:
+    voxels = sum(item.volume.values.size for item in scene.volumes)
+    cells = sum(item.grid.active_count for item in scene.reservoirs)
+    atoms = sum(len(item.molecule) for item in scene.molecules)
+    counts = {"voxels": voxels, "active cells": cells, "atoms": atoms}
+    return ", ".join(f"{n:,} {what}" for what, n in counts.items() if n) or "0 atoms"
 
 
 def _chosen(vary: str, named: tuple[str, ...], truth: Variant, settings: Settings) -> list[Variant]:

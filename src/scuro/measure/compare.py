@@ -47,6 +47,8 @@ class Drawn:
     object_mask: NDArray[np.bool_]
     visibility: NDArray[np.float32] | None
     milliseconds: float
+    megabytes: float = 0.0
+    """GPU memory of the reservoirs drawn; 0 without any."""
 
 
 def varied() -> dict[str, tuple[str, Parameter]]:
@@ -106,6 +108,7 @@ def draw(
         shown,
         buffers.get("visibility"),
         1e3 * statistics.median(times),
+        sum(renderer.reservoirs.bytes(r, chosen.strategy) for r in scene.reservoirs) / 1e6,
     )
 
 
@@ -134,7 +137,9 @@ def compare(
     truth = draw(renderer, scene, camera, settings, reference, frames)
     if not truth.object_mask.any():
         raise SettingsError("the picture is empty: there is nothing to compare")
-    rows = [Row(reference.name, _settings(reference), truth.milliseconds)]
+    rows = [
+        Row(reference.name, _settings(reference), truth.milliseconds, notes=_notes(truth, truth))
+    ]
     on_drawn(truth, rows[0])
     fitter = Fitter(renderer, scene, camera, settings, reference) if fit else None
     for given in variants:
@@ -146,7 +151,7 @@ def compare(
             drawn.milliseconds,
             score(rgb(drawn.pixels), rgb(truth.pixels), truth.object_mask),
             score(rgb(drawn.pixels), rgb(truth.pixels)),
-            notes=_visibility_error(drawn, truth),
+            notes=_notes(drawn, truth),
         )
         rows.append(row)
         on_drawn(drawn, row)
@@ -157,8 +162,11 @@ def _settings(variant: Variant) -> dict[str, Any]:
     return {key.replace("__", "."): value for key, value in variant.changes.items()}
 
 
-def _visibility_error(drawn: Drawn, truth: Drawn) -> dict[str, float]:
-    """RMSE of the visibility itself, where both techniques make one."""
-    if drawn.visibility is None or truth.visibility is None:
-        return {}
-    return {"visibility_rmse": rmse(drawn.visibility, truth.visibility, truth.object_mask)}
+def _notes(drawn: Drawn, truth: Drawn) -> dict[str, float]:
+    """Memory of reservoirs; RMSE of the visibility itself, where both techniques make one."""
+    notes = {}
+    if drawn.megabytes:
+        notes["megabytes"] = drawn.megabytes
+    if drawn is not truth and drawn.visibility is not None and truth.visibility is not None:
+        notes["visibility_rmse"] = rmse(drawn.visibility, truth.visibility, truth.object_mask)
+    return notes

@@ -52,12 +52,16 @@ def table(rows: list[Row], title: str) -> Table:
     made.add_column("technique", no_wrap=True)
     for name in ("ms", "RMSE", "PSNR", "SSIM", "ΔE2000", "FLIP", "gain", "contrast"):
         made.add_column(name, justify="right", no_wrap=True)
+    memory = any("megabytes" in row.notes for row in rows)
+    if memory:
+        made.add_column("MB", justify="right", no_wrap=True)
     made.add_column("settings")
     for row in rows:
         made.add_row(
             row.technique,
             f"{row.milliseconds:.0f}",
             *_cells(row),
+            *([f"{row.notes.get('megabytes', 0.0):.2f}"] if memory else []),
             " ".join(f"{k}={v}" for k, v in row.settings.items()),
         )
     return made

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scuro.gpu import Gpu
 from scuro.passes.frame import Frame
 from scuro.passes.reservoir.light import ReservoirLight, light_shares
-from scuro.passes.reservoir.model import ENTRIES, ReservoirModel
+from scuro.passes.reservoir.model import ENTRIES, ReservoirModel, texture_bytes
 from scuro.passes.reservoir.resample import Resampled
 from scuro.passes.reservoir.settings import StrategySettings
 from scuro.scene.clip import MAX_PLANES, Clip
@@ -74,6 +74,15 @@ class ReservoirPicture:
         model: ReservoirModel = self._kept["model"][1]
         return model
 
+    def bytes(self, strategy: StrategySettings) -> int:
+        """GPU memory of what a strategy reads: cells, samples of a grid, light."""
+        held = self.drawn.bytes
+        if strategy.technique == "srg" and "resampled" in self._kept:
+            held += texture_bytes(self._kept["resampled"][1])
+        if (strategy.occlusion or strategy.shadow) and "light" in self._kept:
+            held += self._kept["light"][1].bytes
+        return held
+
     def march(self, model: ReservoirModel, strategy: StrategySettings, clip: Clip) -> dict:
         """The ``March`` uniform."""
         planes = np.zeros((MAX_PLANES, 4))
@@ -97,6 +106,8 @@ class ReservoirPicture:
 
     def draw(self, frame: Frame, scene: Scene, strategy: StrategySettings) -> None:
         """Record the volume over ``color``, up to the depths of ``surface``."""
+        if frame.settings.shadows.technique != "none":
+            strategy = strategy.replace(shadow=True)
         model = self.model(frame.accelerator.center, strategy)
         march = self.march(model, strategy, scene.clip.cutting)
         resources = {
@@ -107,15 +118,17 @@ class ReservoirPicture:
             "trilinear_sampler": self.gpu.linear_sampler,
         }
         lit = strategy.occlusion or strategy.shadow
+        on_surfaces = lit and bool(scene.bodies())
         if lit:
             light = self._keep(
                 "light",
                 (self._kept["values"][0], strategy.light_resolution),
                 lambda: ReservoirLight(model, strategy.light_resolution),
             )
-            resources["light"] = light.draw(
-                frame, scene, strategy, item_transfer(self.item), scene.clip.cutting
-            )
+            how = (frame, scene, strategy, item_transfer(self.item), scene.clip.cutting)
+            resources["light"] = light.draw(*how)
+            if on_surfaces:
+                light.draw_on_surfaces(*how)
             march |= light_shares(frame, scene, model, strategy)
         if strategy.technique == "srg":
             resources["resampled"] = self._keep(
@@ -130,7 +143,14 @@ class ReservoirPicture:
             label="reservoir",
         )
         combined = frame.targets.get("combined with reservoir", frame.size, "rgba16float")
-        frame.compute("passes/reservoir/over.wgsl", {"combined": combined}, label="reservoir over")
+        if not on_surfaces:
+            frame.target("surface_light", "r32float", size=(1, 1))
+        frame.compute(
+            "passes/volume/over.wgsl",
+            {"combined": combined},
+            constants={"SURFACES": on_surfaces},
+            label="reservoir over",
+        )
         frame.resources["color"] = combined
 
     def _no_light(self) -> Any:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scuro.passes.frame import Frame
 from scuro.passes.reservoir.draw import ReservoirPicture
 from scuro.passes.reservoir.model import ReservoirModel
+from scuro.passes.reservoir.settings import StrategySettings
 from scuro.scene.reservoir import ReservoirItem
 from scuro.scene.scene import Scene
 
@@ -23,6 +24,10 @@ class Reservoirs:
     def model(self, item: ReservoirItem) -> ReservoirModel:
         """The model on the GPU that was drawn last for an item."""
         return self._pictures[item].drawn
+
+    def bytes(self, item: ReservoirItem, strategy: StrategySettings) -> int:
+        """GPU memory of what an item's last picture read; 0 if it was not drawn as a volume."""
+        return self._pictures[item].bytes(strategy) if item in self._pictures else 0
 
     def legends(self, pixels: NDArray[np.uint8], scene: Scene) -> NDArray[np.uint8]:
         """The finished picture with the legends that reservoirs ask for."""

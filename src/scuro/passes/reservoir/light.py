@@ -9,11 +9,13 @@ import numpy as np
 
 from scuro.passes.compose.lighting import lighting_of, lights_uniform
 from scuro.passes.frame import Frame
-from scuro.passes.reservoir.model import ReservoirModel
+from scuro.passes.reservoir.model import ReservoirModel, texture_bytes
 from scuro.passes.reservoir.resample import Resampled
 from scuro.passes.reservoir.settings import StrategySettings
 from scuro.passes.volume.draw import VolumePicture
 from scuro.passes.volume.light import LightTexture
+from scuro.passes.volume.pyramid import Pyramid
+from scuro.passes.volume.settings import VolumeSettings
 from scuro.scene.clip import Clip
 from scuro.scene.scene import Scene
 from scuro.scene.volume import Volume
@@ -44,7 +46,15 @@ class ReservoirLight:
         self.volume = Volume(data, matrix)
         self.picture = VolumePicture(model.gpu, self.volume, model.center)
         self._texture: LightTexture | None = None
+        self._pyramid: Pyramid | None = None
         self._transfer: tuple[Any, TransferFunction] | None = None
+
+    @property
+    def bytes(self) -> int:
+        """GPU memory of the samples, the pyramid of coefficients and the light."""
+        held = texture_bytes(self.picture.grid.texture)
+        held += self._pyramid.bytes if self._pyramid else 0
+        return held + (texture_bytes(self._texture.texture) if self._texture else 0)
 
     def transfer(self, shown: TransferFunction) -> TransferFunction:
         """The same opacities over the grid's values, for one voxel instead of one cell."""
@@ -66,8 +76,49 @@ class ReservoirLight:
         self, frame: Frame, scene: Scene, strategy: StrategySettings, shown: TransferFunction,
         clip: Clip,
     ) -> Any:  # fmt: skip
-        """Record the light's texture: visibility, and the shadows of three lights."""
-        settings = frame.settings.volume.replace(
+        """Record the light's texture: visibility, and the shadows of three lights.
+
+        Surfaces in the scene stand in the cones' way, too.
+        """
+        settings = self._settings(frame, strategy)
+        picture = self.picture
+        classified = picture.classified(self.transfer(shown), settings)
+        resources = {
+            **classified.resources(),
+            "view": frame.resources["view"],
+            "lights": self._lights(frame, scene, strategy),
+            "volume": picture.uniform(settings, clip, classified),
+        }
+        solids = picture.solids(scene.bodies())
+        self._pyramid = picture.pyramid(classified, settings, clip, solids)
+        resources |= picture.cones(settings, self._pyramid, clip)
+        texels = LightTexture.texels_for(picture.grid, settings)
+        if self._texture is None or self._texture.texels != texels:
+            self._texture = LightTexture(self.model.gpu, texels)
+        self._texture.make(frame.recorder, resources, settings, frame.size, {"ISOSURFACE": False})
+        return self._texture.texture
+
+    def draw_on_surfaces(
+        self, frame: Frame, scene: Scene, strategy: StrategySettings, shown: TransferFunction,
+        clip: Clip,
+    ) -> Any:  # fmt: skip
+        """Record the share of their light that the model's matter leaves to surfaces."""
+        out = frame.target("surface_light", "r32float")
+        self.picture.light_surfaces(
+            frame.recorder,
+            self._settings(frame, strategy),
+            self.transfer(shown),
+            view=frame.resources["view"],
+            lights=self._lights(frame, scene, strategy),
+            size=frame.size,
+            surface=frame.resources["surface"],
+            out=out,
+            clip=clip,
+        )
+        return out
+
+    def _settings(self, frame: Frame, strategy: StrategySettings) -> VolumeSettings:
+        return frame.settings.volume.replace(
             light="object",
             light_all=True,
             light_resolution=1.0,
@@ -76,27 +127,11 @@ class ReservoirLight:
             occlusion__on=strategy.occlusion,
             shadow__on=strategy.shadow,
         )
-        picture = self.picture
-        classified = picture.classified(self.transfer(shown), settings)
-        lights = lights_uniform(
-            lighting_of(frame.settings.lighting, scene.lighting),
-            frame.camera,
-            self.model.center,
-            shadows=strategy.shadow,
-        )
-        resources = {
-            **classified.resources(),
-            "view": frame.resources["view"],
-            "lights": lights,
-            "volume": picture.uniform(settings, clip, classified),
-        }
-        pyramid = picture.pyramid(classified, settings, clip)
-        resources |= picture.cones(settings, pyramid, clip)
-        texels = LightTexture.texels_for(picture.grid, settings)
-        if self._texture is None or self._texture.texels != texels:
-            self._texture = LightTexture(self.model.gpu, texels)
-        self._texture.make(frame.recorder, resources, settings, frame.size, {"ISOSURFACE": False})
-        return self._texture.texture
+
+    def _lights(self, frame: Frame, scene: Scene, strategy: StrategySettings) -> dict[str, Any]:
+        lighting = lighting_of(frame.settings.lighting, scene.lighting)
+        center = self.model.center
+        return lights_uniform(lighting, frame.camera, center, shadows=strategy.shadow)
 
 
 def light_shares(

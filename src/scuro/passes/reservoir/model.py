@@ -92,7 +92,7 @@ class ReservoirModel:
     def bytes(self) -> int:
         """GPU memory of cells, values and tables."""
         tables = [*self._geometry.values(), self._values, self._flags, self._cell_values]
-        return sum(_texture_bytes(table) for table in tables if table is not None)
+        return sum(texture_bytes(table) for table in tables if table is not None)
 
     @property
     def bytes_per_cell(self) -> float:
@@ -183,6 +183,7 @@ class ReservoirModel:
         )
 
 
-def _texture_bytes(texture: Any) -> int:
+def texture_bytes(texture: Any) -> int:
+    """GPU memory of a texture without mips."""
     dtype, channels = TEXEL[texture.format]
     return int(np.prod(texture.size)) * channels * np.dtype(dtype).itemsize
