@@ -99,9 +99,9 @@ def command(
     from scuro.measure.fit import rgb
     from scuro.measure.metrics import delta_e_map
     from scuro.measure.report import table, write_json
+    from scuro.measure.sheet import contact_sheet, difference_picture
     from scuro.measure.turns import AXES, compare_turned, means
     from scuro.measure.turns import table as table_of_views
-    from scuro.measure.sheet import contact_sheet, difference_picture
     from scuro.passes.post.stereo import eye_size
     from scuro.render import Renderer
     from scuro.scene.view import view_camera

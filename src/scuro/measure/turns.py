@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scuro.measure.compare import Drawn, Variant, compare
 from scuro.measure.metrics import Scores
@@ -37,7 +39,7 @@ class Turned:
 
 
 def turned(camera: Camera, axis: str, degrees: float) -> Camera:
-    """The camera that sees the scene as if that had turned about an axis of the world."""
+    """The camera that sees things as if they had turned about an axis through its target."""
     angle = np.radians(-degrees)
     c, s = np.cos(angle), np.sin(angle)
     first, second = [n for n in range(3) if n != AXES.index(axis)]
@@ -50,6 +52,25 @@ def turned(camera: Camera, axis: str, degrees: float) -> Camera:
     eye = target + matrix @ (np.asarray(camera.position) - target)
     up = matrix @ np.asarray(camera.up)
     return replace(camera, position=tuple(eye.tolist()), up=tuple(up.tolist()))
+
+
+def centered(camera: Camera, bounds: NDArray, aspect: float) -> Camera:
+    """The camera looking the same way at the middle of a box, from where it always fits.
+
+    Args:
+        camera: Which way to look.
+        bounds: (2, 3) world box.
+        aspect: Width over height of the picture.
+    """
+    middle = np.mean(bounds, axis=0)
+    radius = max(float(np.linalg.norm(bounds[1] - bounds[0])) / 2, 1e-6)
+    half = np.arctan(np.tan(np.radians(camera.fov) / 2) * min(aspect, 1.0))
+    back = camera.view_from_world()[2, :3]
+    eye = middle + back * radius / np.sin(half)
+    height = 2 * radius / min(aspect, 1.0) if camera.orthographic else None
+    return replace(
+        camera, position=tuple(eye.tolist()), target=tuple(middle.tolist()), height=height
+    )
 
 
 def views(camera: Camera, count: int) -> Iterator[tuple[str, float, Camera]]:
@@ -74,15 +95,19 @@ def compare_turned(
 ) -> list[Turned]:
     """Compare in ``count`` views about each axis; see :func:`scuro.measure.compare.compare`.
 
+    The axes go through the scene's middle; all views are from the same distance.
+
     Args:
         on_drawn: Called after each picture with the view's name.
     """
     found = []
+    width, height = settings.size
+    camera = centered(camera, scene.bounds(), width / height)
     for axis, degrees, at in views(camera, count):
         name = f"{axis.lower()}-{degrees:03.0f}"
         rows = compare(
             renderer, scene, at, settings, variants, reference,
-            frames=frames, fit=fit, on_drawn=lambda drawn, row, name=name: on_drawn(name, drawn, row),
+            frames=frames, fit=fit, on_drawn=partial(on_drawn, name),
         )  # fmt: skip
         found.append(Turned(axis, degrees, rows))
     return found
