@@ -17,7 +17,7 @@ from scuro.passes.compose.lighting import lighting_of, lights_uniform, with_impl
 from scuro.passes.compose.shade import encode, shade
 from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
-from scuro.passes.occlusion.occlusion import draw_occlusion
+from scuro.passes.occlusion.occlusion import draw_occlusion, prepare_occlusion
 from scuro.passes.part import Part, split
 from scuro.passes.part import bands as split_bands
 from scuro.passes.post.antialias import FILTER_RADIUS, filter_down
@@ -131,9 +131,46 @@ class Renderer:
         encode(frame)
         return frame
 
+    def prepare(self, scene: Scene, camera: Camera, settings: Settings) -> Iterator[float]:
+        """Build in slices what a picture needs first and keeps for those that follow.
+
+        :meth:`frame` builds it, too, but all at once; a viewer would stand still meanwhile.
+
+        Yields:
+            The share of a part of the work that is done; nothing if all is there.
+        """
+        part = self.parts(settings)[0]
+        frame = self._begun(scene, camera, with_implied(settings), part)
+        if frame.settings.renderer != "path" and frame.settings.semantic.mode == "off":
+            yield from prepare_occlusion(frame)
+        yield from self._volumes.prepare(frame, scene)
+
     def _colored(self, scene: Scene, camera: Camera, settings: Settings, part: Part) -> Frame:
         """Record what makes ``color``: geometry, occlusion, shadow, compose, post."""
         settings = with_implied(settings)
+        frame = self._begun(scene, camera, settings, part)
+        draw_visibility(frame)
+        if settings.renderer == "path":
+            self._paths.draw(frame)
+        elif settings.semantic.mode == "off":
+            draw_occlusion(frame)
+            draw_shadows(frame)
+            shade(frame)
+        else:
+            shade_semantic(frame, scene.hierarchy())
+        self._volumes.draw(frame, scene)
+        self.reservoirs.draw(frame, scene)
+        draw_toon(frame)
+        draw_fog(frame)
+        draw_halos(frame)
+        draw_borders(frame)
+        draw_focus(frame, scene)
+        draw_fxaa(frame)
+        filter_down(frame)
+        return frame
+
+    def _begun(self, scene: Scene, camera: Camera, settings: Settings, part: Part) -> Frame:
+        """A frame with its scene, view and lights, before anything is drawn."""
         scene.show_reservoirs(settings.reservoir)
         accelerator = self.accelerator(scene)
         resources, constants = accelerator.clipped(scene.clip.cutting)
@@ -173,24 +210,6 @@ class Renderer:
         frame.constants["LOCAL_LIGHTS"] = any(
             light.kind != DIRECTIONAL for light in lighting.lights
         )
-        draw_visibility(frame)
-        if settings.renderer == "path":
-            self._paths.draw(frame)
-        elif settings.semantic.mode == "off":
-            draw_occlusion(frame)
-            draw_shadows(frame)
-            shade(frame)
-        else:
-            shade_semantic(frame, scene.hierarchy())
-        self._volumes.draw(frame, scene)
-        self.reservoirs.draw(frame, scene)
-        draw_toon(frame)
-        draw_fog(frame)
-        draw_halos(frame)
-        draw_borders(frame)
-        draw_focus(frame, scene)
-        draw_fxaa(frame)
-        filter_down(frame)
         return frame
 
     def parts(self, settings: Settings, bands: int = 1, rows: int | None = None) -> list[Part]:

@@ -7,7 +7,7 @@ from scuro.load import load
 from scuro.viewer.labels import placed
 from scuro.viewer.measure import angle, dihedral, distance, measures
 from scuro.viewer.overlay import nice_length
-from scuro.viewer.sequence import sequence
+from scuro.viewer.panel.sequence import sequence
 
 
 def test_measures_have_their_closed_forms():

@@ -44,7 +44,7 @@ def command(
     renderer = Renderer(device)
 
     def make_screen(deliver: Any) -> Screen:
-        return Screen(model, renderer, "rgba8unorm", deliver, files.listing)
+        return Screen(model, renderer, "rgba8unorm", deliver, files.listing, elsewhere=True)
 
     def ready(bound: int) -> None:
         click.echo(access.link(bound))

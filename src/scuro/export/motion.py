@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scuro.errors import LoadError, SettingsError
 from scuro.export import toml
@@ -142,9 +141,8 @@ class Motion:
             camera = camera.orbited(self.movie.swing * math.sin(2 * math.pi * turn), 0)
         self.scene.clip = self._swept(share)
         if self._trajectory is not None:
-            self.scene.molecules[0].molecule = replace(
-                self.scene.molecules[0].molecule, positions=self._positions(share)
-            )
+            place = share * (len(self._trajectory) - 1)
+            self.scene.molecules[0].molecule = self._trajectory.at(place)
         settings = (
             self.settings if self._look is None else blended(self.settings, self._look, share)
         )
@@ -157,14 +155,6 @@ class Motion:
             return replace(plane, point=tuple((np.asarray(plane.point) + shift).tolist()))
 
         return replace(self._clip, planes=tuple(map(moved, self._clip.planes)))
-
-    def _positions(self, share: float) -> NDArray[np.float32]:
-        """Straight from model to model where a film has more frames than there are models."""
-        assert self._trajectory is not None
-        place = share * (len(self._trajectory) - 1)
-        low = min(int(place), len(self._trajectory) - 2)
-        a, b = self._trajectory.positions(low), self._trajectory.positions(low + 1)
-        return (a + (b - a) * np.float32(place - low)).astype(np.float32)
 
     def _read_keys(self, view: ViewSettings) -> list[tuple[float, str, Camera]]:
         """Key frames in order: second, easing toward it, camera."""

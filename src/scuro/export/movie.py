@@ -89,11 +89,16 @@ class Film:
         for number in self.missing:
             moment = self.motion.at(number)
             image = renderer.render(moment.scene, moment.camera, moment.settings)
-            with replacing(self.frame_path(number)) as file:
-                writer = PngWriter(file, moment.settings.size, 4)
-                writer.write_rows(image.pixels)
-                writer.finish()
+            self.keep(number, image.pixels)
             yield number
+
+    def keep(self, number: int, pixels: NDArray[np.uint8]) -> None:
+        """Write a frame (h, w, 4) that was drawn."""
+        height, width = pixels.shape[:2]
+        with replacing(self.frame_path(number)) as file:
+            writer = PngWriter(file, (width, height), 4)
+            writer.write_rows(pixels)
+            writer.finish()
 
     def join(self) -> None:
         """Make the film of its frames and remove them; numbered frames stay as they are."""

@@ -13,6 +13,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import NDArray
+
 from scuro.errors import LoadError, SaveError, SettingsError
 from scuro.export import toml
 from scuro.export.files import replacing
@@ -88,10 +90,13 @@ class SceneFile:
                     raise SettingsError(f"{line.path} has no biological assemblies")
                 scene.items[-1].assembly = line.assembly
         self.show_in(scene)
-        middle = scene.bounds().mean(axis=0)
-        planes = tuple(cut.plane(middle) for cut in self.clip) + self.clipping.box(middle)
-        scene.clip = Clip(planes, self.clipping.whole_atoms)
+        scene.clip = self.clipped(scene.bounds().mean(axis=0))
         return scene
+
+    def clipped(self, middle: NDArray) -> Clip:
+        """The clipping planes, and those of the box, in a scene with this middle (3,)."""
+        planes = tuple(cut.plane(middle) for cut in self.clip) + self.clipping.box(middle)
+        return Clip(planes, self.clipping.whole_atoms)
 
     def show_in(self, scene: Scene) -> None:
         """Make a scene of these inputs look as the document says; bodies that stay are kept.
@@ -137,7 +142,7 @@ class SceneFile:
             "light": [light.as_dict() for light in self.light],
             "clip": [cut.as_dict() for cut in self.clip],
             "clipping": self.clipping.as_dict(),
-            "load": self.load.as_dict(),
+            "load": _moved_load(self.load, folder).as_dict(),
             "view": self.view.as_dict(),
             "settings": self.settings.as_dict(),
         }
@@ -202,16 +207,25 @@ def read_scene_file(path: str | PathLike[str]) -> SceneFile:
         raise LoadError(path, fault.why, lines.find(fault.key)) from None
 
 
-def write_scene_file(path: str | PathLike[str], document: SceneFile) -> None:
+def write_scene_file(
+    path: str | PathLike[str], document: SceneFile, *, relative: bool = True
+) -> None:
     """Write a scene file with every value and what it means.
+
+    Args:
+        path: Where to.
+        document: What.
+        relative: Name inputs as seen from the file's folder; else by absolute paths, for a file
+            that will be moved.
 
     Raises:
         SaveError: It cannot be written, or an input is standard input.
     """
     if any(line.path == "-" for line in document.input):
         raise SaveError(path, "standard input cannot be named in a scene file: give a file")
-    folder = Path(path).parent
-    inputs = [line.replace(path=_relative(line.path, folder)) for line in document.input]
+    folder = Path(path).parent if relative else None
+    inputs = [line.replace(path=_named(line.path, folder)) for line in document.input]
+    document = replace(document, load=_moved_load(document.load, folder, absolute=True))
     head = (
         "# A scene of scuro: render it with 'scuro render THIS -o picture.png'.\n"
         f"{_VERSION_KEY} = {VERSION}\n"
@@ -271,6 +285,10 @@ def _document(values: Mapping[str, Any], folder: Path) -> SceneFile:
     made["input"] = tuple(
         line.replace(path=_found(line.path, folder)) for line in made.get("input", ())
     )
+    load = made.get("load", LoadOptions())
+    for name in ("trajectory", "structures"):
+        if getattr(load, name) is not None:
+            made["load"] = load = load.replace(**{name: _found(getattr(load, name), folder)})
     return SceneFile(**made)
 
 
@@ -305,6 +323,20 @@ def _group(kind: type[SettingsGroup], values: Any, place: tuple[str | int, ...])
 
 def _dotted(place: tuple[str | int, ...]) -> str:
     return ".".join(str(p) for p in place if not isinstance(p, int))
+
+
+def _moved_load(load: LoadOptions, folder: Path | None, absolute: bool = False) -> LoadOptions:
+    """Options whose files are named as seen from a folder."""
+    name = _named if absolute else _relative
+    given = {key: getattr(load, key) for key in ("trajectory", "structures")}
+    return load.replace(**{k: name(path, folder) for k, path in given.items() if path is not None})
+
+
+def _named(path: str, folder: Path | None) -> str:
+    """A file's path as seen from a folder, or its absolute one; IDs and samples as they are."""
+    if folder is None and Path(path).exists():
+        return str(Path(path).resolve())
+    return _relative(path, folder)
 
 
 def _relative(path: str, folder: Path | None) -> str:

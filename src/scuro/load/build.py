@@ -223,6 +223,7 @@ def _molecule(
         source=source.name,
         notes=tuple(notes),
         radius=None if table.radius is None else table.radius[rows],
+        models=1 if table.model is None else 1 + int(np.count_nonzero(np.diff(table.model))),
     )
 
 

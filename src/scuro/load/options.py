@@ -38,7 +38,11 @@ class LoadOptions(SettingsGroup):
     trajectory: str | None = setting(
         None, "a trajectory (XTC, TRR, DCD) with coordinates for the structure's atoms"
     )
-    frame: int = setting(0, "which frame of the trajectory, from 0; -1 is the last")
+    frame: float = setting(
+        0.0,
+        "which frame of the trajectory, or model of the file, from 0; -1 is the last; between two "
+        "frames where it is not whole",
+    )
     structures: str | None = setting(
         None, "folder of the ingredient structures of a cell-scale model"
     )

@@ -33,7 +33,7 @@ def read(format: str, source: Source, options: LoadOptions) -> Molecule:
     Raises:
         LoadError: The file is damaged, has no atoms, or nothing is left of it.
     """
-    if options.trajectory is not None:
+    if options.trajectory is not None or options.frame:
         from scuro.load.trajectory import Trajectory
 
         return Trajectory.open(format, source, options).at(options.frame)

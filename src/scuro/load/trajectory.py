@@ -26,6 +26,8 @@ _READERS = {
     ".dcd": ("DCDTrajectoryFile", 1.0),
 }
 """Suffix to biotraj's reader and Å per unit of length."""
+LEAP = 15.0
+"""Å; no atom moves so far from one frame to the next but across the walls of a periodic box."""
 
 
 class Frames(Protocol):
@@ -88,11 +90,37 @@ class Trajectory:
             )
         return np.ascontiguousarray(self.frames.positions(frame % count)[self.rows])
 
-    def at(self, frame: int) -> Molecule:
-        """The molecule at a frame; shares all but the positions with :attr:`molecule`."""
+    def between(self, place: float) -> NDArray[np.float32]:
+        """(n, 3) positions at a fractional frame, Å: on straight ways from one to the next.
+
+        An atom that leaps farther than :data:`LEAP` was put back into its periodic box: it jumps
+        half-way instead of flying across.
+
+        Raises:
+            LoadError: No such frame, or it cannot be read.
+        """
+        low = int(place)
+        share = np.float32(place - low)
+        if place < 0:
+            raise LoadError(self.molecule.source, f"frame {place:g} is before the first")
+        if share == 0:
+            return self.positions(low)
+        a, b = self.positions(low), self.positions(low + 1)
+        way = b - a
+        made: NDArray[np.float32] = a + way * share
+        leap = np.abs(way).max(axis=1) > LEAP
+        made[leap] = (b if share >= 0.5 else a)[leap]
+        return made
+
+    def at(self, frame: float) -> Molecule:
+        """The molecule at a frame; shares all but the positions with :attr:`molecule`.
+
+        Between two frames it is where :meth:`between` says.
+        """
         return dataclasses.replace(
             self.molecule,
-            positions=self.positions(frame),
+            positions=self.positions(int(frame)) if frame == int(frame) else self.between(frame),
+            models=len(self),
             # functions, so that nothing is worked out before it is needed
             bonds=lambda _: self.molecule.bonds,
             bond_order=lambda _: self.molecule.bond_order,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,8 +21,13 @@ from scuro.settings import SettingsGroup, setting
 from scuro.style.radii import atom_radii
 from scuro.style.selection import select
 
+if TYPE_CHECKING:
+    from scuro.render_settings import Settings
+
 MOST_ATOMS = 5_000_000
 """Placed atoms beyond which the grid would not fit."""
+_WARM = (1.0, 0.82, 0.58)
+"""Linear colour of the probe's light: told from the others."""
 _RECORD_STEP = 0.05
 """Å between recorded places."""
 
@@ -36,10 +41,16 @@ class ProbeSettings(SettingsGroup):
         1.0, "force for each Å that the hand is inside", low=0, high=1000, unit="pN/Å"
     )
     light: bool = setting(True, "a point light at the probe's centre; it casts shadows")
-    brightness: float = setting(1.0, "strength of its light", low=0, high=20)
+    brightness: float = setting(1.5, "strength of its light", low=0, high=20)
     reach: float = setting(25.0, "how far its light goes", low=0.1, high=1000, unit="Å")
     clip: bool = setting(False, "cut away what lies between the eye and the probe")
     margin: float = setting(0.5, "gap between the probe and that plane", low=0, high=50, unit="Å")
+    focus: bool = setting(True, "depth of field, where there is some, is focused on it")
+
+    @property
+    def atoms(self) -> tuple[float, str]:
+        """What the spheres that it meets depend on."""
+        return self.radius, self.select
 
 
 class Probe:
@@ -64,6 +75,15 @@ class Probe:
         self.target = self.position.copy()
         self.path: list[list[float]] = []
         self.recording = False
+
+    def follow(self, scene: Scene) -> None:
+        """The atoms moved: sort them anew and get out of their way."""
+        from scuro.probe.solver import Constraint
+
+        centers, radii = placed_atoms(scene, self.settings.select)
+        self.constraint = Constraint(centers, radii, self.settings.radius)
+        self.position = self.constraint.freed(self.position)
+        self.target = self.position.copy()
 
     def move(self, target: ArrayLike) -> None:
         """Follow the hand to a target, world Å."""
@@ -118,6 +138,9 @@ class Probe:
             position=(x, y, z),
             intensity=self.settings.brightness,
             reach=self.settings.reach,
+            # a twenty-fifth is left where it ends, so that no edge shows
+            attenuation=(1.0, 0.0, 24.0 / self.settings.reach**2),
+            color=_WARM,
             relative_to="world",
             name="probe",
         )
@@ -131,6 +154,15 @@ class Probe:
         point = self.position - forward * (self.settings.radius + self.settings.margin)
         plane = Plane(tuple(point.tolist()), tuple(forward.tolist()))
         return Clip((*clip.planes, plane))
+
+    def focused(self, settings: Settings, camera: Camera) -> Settings:
+        """The settings with the probe in focus, where they ask for depth of field at the target."""
+        field = settings.depth_of_field
+        if not (self.settings.focus and field.blur) or field.on or field.distance is not None:
+            return settings
+        forward = -camera.view_from_world()[2, :3]
+        distance = float((self.position - np.asarray(camera.position)) @ forward)
+        return settings.replace(depth_of_field__distance=max(distance, 0.0))
 
 
 def placed_atoms(scene: Scene, selection: str) -> tuple[NDArray, NDArray]:

@@ -130,6 +130,8 @@ class Molecule:
     """``"file"`` or ``"assigned"`` (P-SEA)."""
     radius: NDArray[np.float32] | None = None
     """Per-atom radii where the file gives them (sphere files, coarse grains); else None."""
+    models: int = 1
+    """How many models the file has, of which these atoms are the chosen ones."""
 
     def __len__(self) -> int:
         """Number of atoms."""

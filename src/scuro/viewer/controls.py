@@ -1,13 +1,13 @@
 """Mouse, touch and keys: rendercanvas' events to what a view does.
 
-Left drag turns, right or Ctrl+left (or middle) drag shifts, the wheel zooms to the pointer, a click
-selects, Shift+click adds, a double click centres. :data:`KEYS` lists the keys.
+What a drag does is a matter of habit: :data:`PROFILES`. In all of them the wheel zooms to the
+pointer, a click selects, Shift+click adds, a double click centres. :data:`KEYS` lists the keys.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from scuro.viewer import navigate
@@ -15,13 +15,45 @@ from scuro.viewer.handles import Handles
 from scuro.viewer.probing import Probing
 from scuro.viewer.view import View
 
+LEFT, RIGHT, MIDDLE = 1, 2, 3
+TURN, SHIFT, ZOOM = "turn", "shift", "zoom"
+
+
+@dataclass(frozen=True)
+class Profile:
+    """What drags do: by button and modifier key (empty for none)."""
+
+    drags: dict[tuple[int, str], str]
+    help: tuple[str, ...]
+
+
+PROFILES = {
+    "scuro": Profile(
+        {
+            (LEFT, ""): TURN, (LEFT, "Control"): SHIFT, (LEFT, "Meta"): SHIFT,
+            (RIGHT, ""): SHIFT, (MIDDLE, ""): SHIFT,
+        },
+        ("left: turn (at the rim: roll)", "right, middle, Ctrl+left: shift", "wheel: zoom"),
+    ),
+    "pymol, chimerax": Profile(
+        {(LEFT, ""): TURN, (MIDDLE, ""): SHIFT, (RIGHT, ""): ZOOM, (LEFT, "Alt"): SHIFT},
+        ("left: turn", "middle, Alt+left: shift", "right: zoom"),
+    ),
+    "blender": Profile(
+        {(MIDDLE, ""): TURN, (MIDDLE, "Shift"): SHIFT, (MIDDLE, "Control"): ZOOM},
+        ("middle: turn", "Shift+middle: shift", "Ctrl+middle, wheel: zoom"),
+    ),
+}  # fmt: skip
+"""Mouse habits by the programs they come from."""
 KEYS = {
     "x, y, z": "look along an axis; with Shift from the other side",
     "f": "fit the scene to the picture",
     "i": "spin",
     "o": "parallel or perspective projection",
     "c": "add a clipping plane through the middle; Delete removes the chosen one, v flips it",
-    "b": "clip to a box",
+    "b": "clip to a box, n with the rest as a backbone: the navigation cube",
+    "w": "window and level of a volume: dragging sets them until w is pressed again",
+    "Space": "play or stop; comma and period go back and on by a frame",
     "p": "probe: arrows, Page Up and Page Down move it",
     "Escape": "select nothing",
     "Ctrl+Z, Ctrl+Y": "undo, redo",
@@ -33,7 +65,6 @@ _NOTCH = 100.0
 """Wheel events count in pixels; one notch of a mouse is so many."""
 _CLICK = 4.0
 """Pixels the pointer may stray between pressing and releasing a click."""
-LEFT, RIGHT, MIDDLE = 1, 2, 3
 
 
 class Controls:
@@ -74,11 +105,22 @@ class Controls:
         held = [h for h in self._holders if button == LEFT and h.press(point, self.logical)]
         if held:
             self._drag = lambda last, now: held[0].drag(last, now, self.logical)
-        elif button in (RIGHT, MIDDLE) or (button == LEFT and "Control" in modifiers):
+        elif button == LEFT and self.view.windowing:
+            self._drag = self._window
+        else:
+            self._drag = self._by_habit(button, modifiers, point)
+
+    def _by_habit(
+        self, button: int, modifiers: tuple[str, ...], point: tuple[float, float]
+    ) -> Callable[[tuple[float, float], tuple[float, float]], None] | None:
+        drags = PROFILES[self.view.profile].drags
+        keys = [key for key in modifiers if (button, key) in drags]
+        does = drags.get((button, keys[0] if keys else ""))
+        if does == TURN:
+            return self._roll if navigate.on_rim(point, self.logical) else self._orbit
+        if does is not None:
             self._depth = self.view.depth(*self._relative(point))
-            self._drag = self._pan
-        elif button == LEFT:
-            self._drag = self._roll if navigate.on_rim(point, self.logical) else self._orbit
+        return {SHIFT: self._pan, ZOOM: self._zoom_by_drag, None: None}.get(does)
 
     def _move(self, event: dict[str, Any]) -> None:
         last, self.pointer = self.pointer, (event["x"], event["y"])
@@ -87,10 +129,10 @@ class Controls:
 
     def _up(self, event: dict[str, Any]) -> None:
         point, start = (event["x"], event["y"]), self._start
-        dragged, self._drag, self._start = self._drag, None, None
+        self._drag = self._start = None
         held = any([holder.release() for holder in self._holders])
         self.view.model.history.end_gesture()
-        if start is None or dragged is None or held or event["button"] != LEFT:
+        if start is None or held or event["button"] != LEFT:
             return
         if max(abs(point[0] - start[0]), abs(point[1] - start[1])) <= _CLICK:
             add = "Shift" in event.get("modifiers", ())
@@ -123,6 +165,16 @@ class Controls:
     def _roll(self, last: tuple[float, float], now: tuple[float, float]) -> None:
         self.view.move(navigate.roll(self.view.camera, last, now, self.logical))
 
+    def _zoom_by_drag(self, last: tuple[float, float], now: tuple[float, float]) -> None:
+        camera = self.view.camera
+        factor = _STEP ** ((now[1] - last[1]) / 12)
+        self.view.move(navigate.zoom(camera, factor, camera.target))
+
+    def _window(self, last: tuple[float, float], now: tuple[float, float]) -> None:
+        """To the right widens the window, down lowers its level: as radiologists know it."""
+        width, height = self.logical
+        self.view.adjust_window((now[0] - last[0]) / width, (last[1] - now[1]) / height)
+
     def _pan(self, last: tuple[float, float], now: tuple[float, float]) -> None:
         move = (now[0] - last[0], now[1] - last[1])
         self.view.move(navigate.pan(self.view.camera, move, self.logical, self._depth))
@@ -148,6 +200,7 @@ class Controls:
 
     def _escape(self) -> None:
         self.view.selection = []
+        self.view.windowing = False
         self.handles.chosen = None
 
     def _projection(self) -> None:
@@ -173,7 +226,12 @@ _KEYS: dict[str, Callable[[Controls], None]] = {
     "i": lambda c: c.view.toggle_spin(),
     "o": Controls._projection,
     "c": lambda c: c.handles.add_plane(),
-    "b": lambda c: c.handles.add_box(),
+    "b": lambda c: c.handles.toggle_cube("none"),
+    "n": lambda c: c.handles.toggle_cube("backbone"),
+    "w": lambda c: c.view.toggle_windowing(),
+    " ": lambda c: c.view.model.player.toggle(),
+    ",": lambda c: c.view.model.player.step(-1),
+    ".": lambda c: c.view.model.player.step(1),
     "v": lambda c: c.handles.flip(),
     "Delete": lambda c: c.handles.remove(),
     "Escape": Controls._escape,

@@ -7,6 +7,12 @@ from typing import Any
 
 from scuro.errors import MissingExtraError
 from scuro.gpu import Gpu
+from scuro.viewer.theme import apply_style, load_font
+
+_SETTLING = 3
+"""Frames after an event until ImGui's layout has settled."""
+_BLINK, _TOOLTIP = 0.4, 0.5
+"""Seconds between blinks of a text cursor, and until a tooltip shows."""
 
 
 class Gui:
@@ -33,11 +39,12 @@ class Gui:
         self._backend = ImguiWgpuBackend(gpu.device, format)
         self._keys = ImguiRenderer.KEY_MAP
         self._modifiers = ImguiRenderer.KEY_MAP_MOD
-        imgui.style_colors_dark()
-        style = imgui.get_style()
-        style.window_rounding = style.frame_rounding = 4.0
-        style.window_border_size = 0.0
-        self._frames = 0
+        load_font()
+        apply_style()
+        self._fresh = _SETTLING
+        self._quiet = True
+        self._place = (-1.0, -1.0)
+        self._body: Callable[[], None] | None = None
 
     def _enter(self) -> None:
         """Several views share the process: ImGui has one current context."""
@@ -46,17 +53,19 @@ class Gui:
     def handle(self, event: dict[str, Any]) -> bool:
         """Offer an event of rendercanvas; whether the panel takes it."""
         self._enter()
+        self._fresh, self._quiet = _SETTLING, False
         io = self._backend.io
         kind = event["event_type"]
         if kind in ("pointer_down", "pointer_up", "pointer_move", "pointer_leave", "double_click"):
             if kind == "pointer_leave":
                 io.add_mouse_pos_event(-1e9, -1e9)
                 return False
-            io.add_mouse_pos_event(event["x"], event["y"])
+            self._point(event, kind == "pointer_down")
             if kind in ("pointer_down", "pointer_up") and 1 <= event["button"] <= 3:
                 io.add_mouse_button_event(event["button"] - 1, kind == "pointer_down")
             return bool(io.want_capture_mouse)
         if kind == "wheel":
+            self._point(event, True)
             io.add_mouse_wheel_event(-event["dx"] / 100, -event["dy"] / 100)
             return bool(io.want_capture_mouse)
         if kind in ("key_down", "key_up"):
@@ -66,6 +75,20 @@ class Gui:
             io.add_input_characters_utf8(event.get("data") or event.get("char_str") or "")
             return bool(io.want_text_input)
         return False
+
+    def _point(self, event: dict[str, Any], decide: bool) -> None:
+        """Tell where the pointer is; ``decide`` at once whether it is over the panel.
+
+        ImGui finds out in its next frame. A finger, which comes from nowhere, or a wheel must not
+        be judged by where the pointer was before.
+        """
+        place = (event["x"], event["y"])
+        self._backend.io.add_mouse_pos_event(*place)
+        if decide and place != self._place and self._body is not None:
+            self._imgui.new_frame()
+            self._body()
+            self._imgui.end_frame()
+        self._place = place
 
     def _key(self, name: str, down: bool) -> None:
         imgui, io = self._imgui, self._backend.io
@@ -80,10 +103,24 @@ class Gui:
             io.add_key_event(key, down)
 
     @property
-    def busy(self) -> bool:
-        """Whether something of the panel is held or typed into: it must be drawn again."""
+    def wait(self) -> float | None:
+        """Seconds until the interface changes by itself; ``None`` if it does not.
+
+        It settles within a few frames of an event; a tooltip comes a moment after the pointer has
+        stopped; a text cursor blinks.
+        """
         self._enter()
-        return bool(self._imgui.is_any_item_active()) or self._frames < 3
+        if self._fresh > 0:
+            return 0.0
+        if self._imgui.get_io().want_text_input:
+            return _BLINK
+        return None if self._quiet else _TOOLTIP
+
+    @property
+    def over(self) -> bool:
+        """Whether the pointer was over the interface in the last frame."""
+        self._enter()
+        return bool(self._backend.io.want_capture_mouse)
 
     def draw(
         self, target: Any, logical: tuple[float, float], ratio: float, body: Callable[[], None]
@@ -98,8 +135,12 @@ class Gui:
         """
         self._enter()
         imgui = self._imgui
-        self._frames += 1
+        if self._fresh > 0:
+            self._fresh -= 1
+        else:
+            self._quiet = True
         io = self._backend.io
+        self._body = body
         io.display_size = logical
         io.display_framebuffer_scale = (ratio, ratio)
         imgui.new_frame()

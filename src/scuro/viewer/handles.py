@@ -1,8 +1,8 @@
-"""Handles on the picture for clipping planes: a knob to push, a ring to tilt.
+"""Handles on the picture for clipping planes and the navigation cube.
 
-Each plane has a knob at its point and a stalk along its normal. Dragging the knob moves the plane
-along its normal, dragging the stalk's end tilts it. Boxes are six planes that face inward; their
-knobs lie on the faces.
+A plane has a knob at its point, which pushes it along its normal, and a stalk whose end tilts it.
+The cube has a knob on each face, which pushes the face, one in its middle, which moves the cube,
+and a stalk that turns it.
 """
 
 from __future__ import annotations
@@ -10,18 +10,19 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from scuro.scene.clip import MAX_PLANES, Clip, Plane
-from scuro.viewer import navigate
+from scuro.scene.camera import Camera
+from scuro.scene.clip import Cut, Plane
+from scuro.viewer import cube, navigate
 from scuro.viewer.navigate import Size
 from scuro.viewer.view import View
 
-REACH = 9.0
+REACH = 10.0
 """Pixels within which a press takes hold of a handle."""
 STALK = 0.15
 """Length of the stalks, as a share of the distance the picture's height covers."""
-PUSH, TILT = "push", "tilt"
+PUSH, TILT, FACE, MOVE, TURN = "push", "tilt", "face", "move", "turn"
 _GESTURE = "clip handle"
 
 
@@ -29,131 +30,191 @@ _GESTURE = "clip handle"
 class Handle:
     """One thing that can be held."""
 
-    plane: int
     kind: str
-    """``push`` or ``tilt``."""
+    """``push`` and ``tilt`` for planes; ``face``, ``move`` and ``turn`` for the cube."""
+    number: int
+    """Of the plane, or of the face."""
     world: tuple[float, float, float]
+    root: tuple[float, float, float]
+    """Where its stalk begins; ``world`` itself for knobs."""
 
 
 class Handles:
-    """The handles of a view's clipping planes."""
+    """The handles of a view's clipping planes and its cube."""
 
     def __init__(self, view: View) -> None:
         self.view = view
         self.shown = True
         self.chosen: int | None = None
         """The plane that keys and Shift+wheel move."""
-        self._held: Handle | None = None
+        self.held: Handle | None = None
 
     @property
     def planes(self) -> tuple[Plane, ...]:
-        return self.view.model.clip.planes
+        """Those that are set one by one; the cube's are not among them."""
+        model = self.view.model
+        return tuple(cut.plane(model.middle) for cut in model.document.clip)
+
+    def corners(self) -> NDArray[np.float64] | None:
+        """(8, 3) of the cube, if there is one."""
+        model = self.view.model
+        clipping = model.document.clipping
+        return None if clipping.cube is None else cube.corners(clipping, model.middle)
 
     def all(self) -> list[Handle]:
         """Every handle, with its place in the world."""
         found = []
         length = STALK * navigate.pixel_size(self.view.camera, (1, 1))
         for index, plane in enumerate(self.planes):
-            n = plane.equation()[:3]
-            point = np.asarray(plane.point)
-            found.append(Handle(index, PUSH, plane.point))
-            found.append(Handle(index, TILT, _tuple(point + n * length)))
+            end = np.asarray(plane.point) + plane.equation()[:3] * length
+            found.append(Handle(PUSH, index, plane.point, plane.point))
+            found.append(Handle(TILT, index, _tuple(end), plane.point))
+        model = self.view.model
+        clipping = model.document.clipping
+        if clipping.cube is not None:
+            middle = _tuple(cube.center(clipping, model.middle))
+            found.append(Handle(MOVE, 0, middle, middle))
+            for number in range(6):
+                place = _tuple(cube.face(clipping, model.middle, number)[0])
+                found.append(Handle(FACE, number, place, place))
+            end = cube.corners(clipping, model.middle)[7]
+            found.append(Handle(TURN, 0, _tuple(end), _tuple(end)))
         return found
 
-    def press(self, point: Size, size: Size) -> bool:
-        """Take hold of the nearest handle within reach; whether there is one."""
+    def near(self, point: Size, size: Size) -> Handle | None:
+        """The nearest handle within reach of a pixel position."""
         handles = self.all() if self.shown else []
         if not handles:
-            return False
+            return None
         places = navigate.project(self.view.camera, [h.world for h in handles], size)
         away = np.hypot(places[:, 0] - point[0], places[:, 1] - point[1])
         away[~(places[:, 2] > 0)] = np.inf
         nearest = int(np.argmin(away))
-        if away[nearest] > REACH:
-            return False
-        self._held = handles[nearest]
-        self.chosen = self._held.plane
-        return True
+        return handles[nearest] if away[nearest] <= REACH else None
+
+    def press(self, point: Size, size: Size) -> bool:
+        """Take hold of the nearest handle within reach; whether there is one."""
+        self.held = self.near(point, size)
+        if self.held is not None and self.held.kind in (PUSH, TILT):
+            self.chosen = self.held.number
+        return self.held is not None
 
     def drag(self, last: Size, now: Size, size: Size) -> None:
         """Move what is held with the pointer."""
-        if self._held is None or self._held.plane >= len(self.planes):
+        held, camera = self.held, self.view.camera
+        if held is None:
             return
-        plane = self.planes[self._held.plane]
-        camera = self.view.camera
-        depth = float(navigate.project(camera, [plane.point], size)[0, 2])
+        depth = float(navigate.project(camera, [held.root], size)[0, 2])
         if depth <= 0:
             return
         step = navigate.pixel_size(camera, size, depth)
         right, up, _ = camera.view_from_world()[:3, :3]
         move = ((now[0] - last[0]) * right - (now[1] - last[1]) * up) * step
-        if self._held.kind == PUSH:
-            changed = _pushed(plane, _along(plane.equation()[:3], move, camera))
+        if held.kind in (PUSH, TILT):
+            self._drag_plane(held, move)
+        else:
+            self._drag_cube(held, move)
+        if held.kind != TILT:
+            self.held = next(
+                (h for h in self.all() if (h.kind, h.number) == (held.kind, held.number)), None
+            )
+
+    def _drag_plane(self, held: Handle, move: NDArray) -> None:
+        if held.number >= len(self.planes):
+            return
+        plane, camera = self.planes[held.number], self.view.camera
+        normal = plane.equation()[:3]
+        if held.kind == PUSH:
+            changed = _pushed(plane, _along(normal, move, camera))
         else:
             length = STALK * navigate.pixel_size(camera, (1, 1))
-            changed = Plane(plane.point, _tuple(plane.equation()[:3] * length + move))
-        self._replace(self._held.plane, changed)
+            changed = Plane(plane.point, _tuple(normal * length + move))
+        self.set(held.number, changed, f"{_GESTURE} {held.number}")
+
+    def _drag_cube(self, held: Handle, move: NDArray) -> None:
+        model, camera = self.view.model, self.view.camera
+        clipping = model.document.clipping
+        if clipping.cube is None:
+            return
+        if held.kind == MOVE:
+            changed = cube.moved(clipping, model.middle, move)
+        elif held.kind == FACE:
+            _, outward = cube.face(clipping, model.middle, held.number)
+            changed = cube.pushed(
+                clipping, model.middle, held.number, _along(outward, move, camera)
+            )
+        else:
+            # like a ball under the hand: about the axis across the move
+            back = camera.view_from_world()[2, :3]
+            axis = np.cross(back, move)
+            radius = float(np.linalg.norm(clipping.cube)) / 2
+            if not axis.any():
+                return
+            changed = cube.turned(clipping, axis, float(np.linalg.norm(move)) / radius)
+        model.change(f"{_GESTURE} cube", clipping=changed)
 
     def release(self) -> bool:
         """Let go; whether something was held."""
-        held, self._held = self._held, None
+        held, self.held = self.held, None
         return held is not None
+
+    # --- keys and buttons --------------------------------------------------------------------
 
     def advance(self, notches: float) -> None:
         """Push the chosen (or only) plane along its normal by a share of the scene's size."""
         index = self._target()
         if index is not None:
             extent = float(np.linalg.norm(np.ptp(self.view.model.scene.bounds(), axis=0)))
-            self._replace(index, _pushed(self.planes[index], 0.01 * extent * notches))
+            plane = _pushed(self.planes[index], 0.01 * extent * notches)
+            self.set(index, plane, f"{_GESTURE} {index}")
 
     def flip(self) -> None:
         """Keep the other side of the chosen plane."""
         index = self._target()
         if index is not None:
             plane = self.planes[index]
-            self._set(index, replace(plane, normal=_tuple(-np.asarray(plane.normal))), None)
+            self.set(index, replace(plane, normal=_tuple(-np.asarray(plane.normal))), None)
 
     def remove(self) -> None:
-        """Take the chosen plane away."""
+        """Take the chosen plane away; the cube if there are no planes."""
         index = self._target()
+        model = self.view.model
         if index is not None:
-            planes = self.planes[:index] + self.planes[index + 1 :]
+            cuts = model.document.clip
             self.chosen = None
-            self.view.model.change(clip=Clip(planes))
+            model.change(clip=cuts[:index] + cuts[index + 1 :])
+        elif model.document.clipping.cube is not None:
+            model.change(clipping=model.document.clipping.replace(cube=None))
 
     def add_plane(self) -> None:
         """A plane through what the camera looks at, taking away the nearer side."""
-        forward = -self.view.camera.view_from_world()[2, :3]
-        plane = Plane(self.view.camera.target, _tuple(forward))
-        if len(self.planes) < MAX_PLANES:
-            self.view.model.change(clip=Clip((*self.planes, plane)))
-            self.chosen = len(self.planes) - 1
+        forward = _tuple(-self.view.camera.view_from_world()[2, :3])
+        cuts = self.view.model.document.clip
+        cut = Cut(normal=forward, point=self.view.camera.target)
+        if self.view.model.change(clip=(*cuts, cut)):
+            self.chosen = len(cuts)
 
-    def add_box(self) -> None:
-        """Six planes around the scene, facing inward."""
-        low, high = self.view.model.scene.bounds()
-        middle = (low + high) / 2
-        made = []
-        for axis in range(3):
-            for side, sign in ((low, 1.0), (high, -1.0)):
-                point, normal = middle.copy(), np.zeros(3)
-                point[axis], normal[axis] = side[axis], sign
-                made.append(Plane(_tuple(point), _tuple(normal)))
-        if len(self.planes) + 6 <= MAX_PLANES:
-            self.view.model.change(clip=Clip((*self.planes, *made)))
-            self.chosen = len(self.planes) - 1
+    def toggle_cube(self, rest: str) -> None:
+        """Clip to a box, outside of which polymers show as ``rest``; or do so no longer."""
+        model = self.view.model
+        clipping = model.document.clipping
+        if clipping.cube is not None:
+            model.change(clipping=clipping.replace(cube=None))
+            return
+        new = cube.made(model.scene.bounds(), rest)
+        model.change(clipping=new.replace(spare=clipping.spare, whole_atoms=clipping.whole_atoms))
+
+    def set(self, index: int, plane: Plane, gesture: str | None) -> None:
+        """Put another plane in the place of one."""
+        cuts = self.view.model.document.clip
+        cut = Cut(normal=plane.normal, point=plane.point)
+        self.view.model.change(gesture, clip=(*cuts[:index], cut, *cuts[index + 1 :]))
 
     def _target(self) -> int | None:
-        if self.chosen is not None and self.chosen < len(self.planes):
+        count = len(self.planes)
+        if self.chosen is not None and self.chosen < count:
             return self.chosen
-        return len(self.planes) - 1 if self.planes else None
-
-    def _replace(self, index: int, plane: Plane) -> None:
-        self._set(index, plane, f"{_GESTURE} {index}")
-
-    def _set(self, index: int, plane: Plane, gesture: str | None) -> None:
-        planes = (*self.planes[:index], plane, *self.planes[index + 1 :])
-        self.view.model.change(gesture, clip=Clip(planes))
+        return count - 1 if count else None
 
 
 def _pushed(plane: Plane, distance: float) -> Plane:
@@ -161,7 +222,7 @@ def _pushed(plane: Plane, distance: float) -> Plane:
     return replace(plane, point=_tuple(point))
 
 
-def _along(normal: NDArray, move: NDArray, camera: navigate.Camera) -> float:
+def _along(normal: NDArray, move: NDArray, camera: Camera) -> float:
     """How far along a normal a move in the picture's plane goes.
 
     A normal that points at the eye is pushed by moving up and down.
@@ -175,6 +236,6 @@ def _along(normal: NDArray, move: NDArray, camera: navigate.Camera) -> float:
     return float(move @ flat) / length**2
 
 
-def _tuple(v: NDArray) -> tuple[float, float, float]:
+def _tuple(v: ArrayLike) -> tuple[float, float, float]:
     x, y, z = np.asarray(v, np.float64).tolist()
     return x, y, z

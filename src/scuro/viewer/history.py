@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from scuro.export.scene_file import SceneFile
-from scuro.scene.clip import Clip
+from scuro.probe.probe import ProbeSettings
 
 MOST_STEPS = 500
 """Older states are forgotten; states share all that did not change, so that each is small."""
@@ -16,7 +16,8 @@ class State:
     """Everything about a scene that people change and may want back."""
 
     document: SceneFile
-    clip: Clip = field(default_factory=Clip)
+    probe: ProbeSettings | None = None
+    """Of the probe in the scene, if there is one. Where it is depends on the atoms."""
 
 
 @dataclass

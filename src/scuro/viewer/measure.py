@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 class Measure:
     """A measure and the places it is of."""
 
+    kind: str
+    """``distance``, ``angle`` or ``dihedral``."""
     text: str
     points: NDArray[np.float64]
     """(2 to 4, 3) world positions in order."""
@@ -47,9 +49,9 @@ def measures(points: Sequence[ArrayLike], unit: str = "Å") -> list[Measure]:
     """
     used = [np.asarray(p, np.float64) for p in points[-4:]]
     if len(used) == 2:
-        return [Measure(f"{distance(*used):.2f} {unit}".strip(), np.array(used))]
+        return [Measure("distance", f"{distance(*used):.2f} {unit}".strip(), np.array(used))]
     if len(used) == 3:
-        return [Measure(f"{angle(*used):.1f}°", np.array(used))]
+        return [Measure("angle", f"{angle(*used):.1f}°", np.array(used))]
     if len(used) == 4:
-        return [Measure(f"{dihedral(*used):.1f}°", np.array(used))]
+        return [Measure("dihedral", f"{dihedral(*used):.1f}°", np.array(used))]
     return []

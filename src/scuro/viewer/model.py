@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from scuro.errors import ScuroError
+from scuro.errors import MissingExtraError, ScuroError
 from scuro.export.scene_file import (
     Input,
     SceneFile,
@@ -18,14 +18,15 @@ from scuro.export.scene_file import (
     write_scene_file,
 )
 from scuro.passes.compose.lighting import PRESETS
-from scuro.probe.probe import Probe
+from scuro.probe.probe import Probe, ProbeSettings
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
-from scuro.scene.clip import Clip
+from scuro.scene.clip import Clip, Cut, Plane
 from scuro.scene.scene import Scene
 from scuro.settings import parameters
 from scuro.style.options import Representation
 from scuro.viewer.history import History, State
+from scuro.viewer.player import Player
 
 
 class Model:
@@ -49,13 +50,18 @@ class Model:
     ) -> None:
         self._guard = guard
         self.scene = scene or document.scene()
+        if scene is not None and not document.clip:
+            document = replace(document, clip=tuple(map(cut_of, scene.clip.planes)))
         if not document.show and self.scene.molecules:
             document = replace(document, show=_shows(self.scene) or (Show(),))
-        self.history = History(State(document, self.scene.clip))
-        self._input = document.input, document.load
+        self.middle = self.scene.bounds().mean(axis=0)
+        """(3,) the scene's middle when it was read, from which cuts without a point count."""
+        self.history = History(State(document))
+        self.player = Player(self)
         self._lighting = self.scene.lighting
         self.probe: Probe | None = None
         """The probe that all views share."""
+        self._start: Any = None
         self._watchers: weakref.WeakSet[Any] = weakref.WeakSet()
         self.message = ""
         """The last error's sentence, for people."""
@@ -70,21 +76,22 @@ class Model:
 
     @property
     def clip(self) -> Clip:
-        return self.history.present.clip
+        """All clipping planes, those of the navigation cube last."""
+        return self.document.clipped(self.middle)
 
     def watch(self, watcher: Any) -> None:
         """Call ``watcher.scene_changed()`` after each change, as long as it lives."""
         self._watchers.add(watcher)
 
     def change(self, gesture: str | None = None, **changes: Any) -> bool:
-        """Replace fields of the state (``clip``) or of its document (``settings``, ``show``, …).
+        """Replace fields of the document (``settings``, ``show``, ``clip`` …), or the ``probe``.
 
         Returns:
             Whether it could be done; if not, all is as before and :attr:`message` says why.
         """
         state = self.history.present
-        if "clip" in changes:
-            state = replace(state, clip=changes.pop("clip"))
+        if "probe" in changes:
+            state = replace(state, probe=changes.pop("probe"))
         state = replace(state, document=replace(state.document, **changes))
         return self._apply(state, lambda: self.history.change(state, gesture))
 
@@ -97,7 +104,8 @@ class Model:
         self._step(self.history.redo, self.history.undo)
 
     def _step(self, step: Callable[[], bool], back: Callable[[], bool]) -> None:
-        if step() and not self._apply(self.history.present, lambda: None):
+        before = self.history.present
+        if step() and not self._apply(self.history.present, lambda: None, before):
             back()
 
     def open(self, document: SceneFile) -> bool:
@@ -107,7 +115,7 @@ class Model:
 
     def open_path(self, path: str) -> bool:
         """Show another file, or a scene file; :attr:`message` says why if that cannot be."""
-        document = replace(self.document, input=(Input(path=path),), show=())
+        document = replace(self.document, input=(Input(path=path),), show=(), clip=())
         try:
             self._guard(document)
             if is_scene_file(path):
@@ -117,53 +125,91 @@ class Model:
             return False
         return self.open(document)
 
-    def _apply(self, state: State, commit: Callable[[], None]) -> bool:
+    def _apply(self, state: State, commit: Callable[[], None], before: State | None = None) -> bool:
         """Bring the scene in line with a state; on an error leave it as it was."""
-        before = self.scene
-        document = state.document
+        before = before or self.history.present
+        scene, player, probe = self.scene, self.player, self.probe
         try:
-            self._guard(document)
-            if (document.input, document.load) != self._input:
-                self.scene = document.scene()
-            else:
-                document.show_in(self.scene)
-            self._lighting = self.scene.lighting
+            self._guard(state.document)
+            self._show(state, before)
             self.scene.bodies()  # a style or colour may turn out to be wrong only now
-        except ScuroError as error:
-            self.scene = before
-            self.document.show_in(self.scene)
-            self.message = str(error)
+            state.document.clipped(self.middle)  # too many planes
+            self._put_probe(state, before)
+        except (ScuroError, ImportError) as error:
+            self.scene, self.player, self.probe = scene, player, probe
+            before.document.show_in(self.scene)
+            missing = isinstance(error, ImportError)
+            self.message = str(MissingExtraError("Probes", "viewer") if missing else error)
             return False
-        if self.scene is not before:
-            self.probe = None  # it was among other atoms
-        self._input = document.input, document.load
         self.message = ""
         commit()
-        self._tell()
+        self.tell()
         return True
 
-    def _tell(self) -> None:
+    def _show(self, state: State, before: State) -> None:
+        document, old = state.document, before.document
+        if document.input != old.input or not self.player.only_plays(document.load, old.load):
+            self.scene = document.scene()
+            self.middle = self.scene.bounds().mean(axis=0)
+            self.player = Player(self)
+        else:
+            if document.load != old.load:
+                self.player.show(document.load)
+            document.show_in(self.scene)
+        self._lighting = self.scene.lighting
+
+    def _put_probe(self, state: State, before: State) -> None:
+        """Make, change or remove the probe; its atoms are sorted anew only if it must be."""
+        settings = state.probe
+        if settings is None or state.document.input != before.document.input:
+            self.probe = None
+        elif self.probe is None or self.probe.settings.atoms != settings.atoms:
+            start = self._start if self.probe is None else self.probe.position
+            self.probe = Probe(self.scene, settings, self.middle if start is None else start)
+        else:
+            self.probe.settings = settings
+
+    def tell(self) -> None:
+        """Let all views draw anew."""
         for watcher in list(self._watchers):
             watcher.scene_changed()
 
-    def set_probe(self, probe: Probe | None) -> None:
-        """Put a probe into the scene, or take it away."""
-        self.probe = probe
-        self.message = ""
-        self._tell()
+    def set_probe(self, settings: ProbeSettings | None, start: Any = None) -> bool:
+        """Put a probe into the scene at a place that is moved out of the atoms, or take it away."""
+        self._start = start
+        return self.change(probe=settings)
 
-    def probe_moved(self) -> None:
-        """The probe is elsewhere: views draw anew."""
-        self._tell()
+    def lighted(self) -> Any:
+        """The lighting with the probe's light; ``None`` for the preset's."""
+        if self.probe is None:
+            return self._lighting
+        return self.probe.lit(self._lighting or PRESETS[self.settings.lighting.preset])
 
     def dressed(self, camera: Camera) -> Scene:
         """The scene as a view draws it: with its clipping, and the probe's light and plane."""
-        scene, probe = self.scene, self.probe
-        scene.lighting, scene.clip = self._lighting, self.clip
-        if probe is not None:
-            scene.lighting = probe.lit(self._lighting or PRESETS[self.settings.lighting.preset])
-            scene.clip = probe.clipped(self.clip, camera)
+        scene = self.scene
+        scene.lighting = self.lighted()
+        scene.clip = self.clip if self.probe is None else self.probe.clipped(self.clip, camera)
         return scene
+
+    def focused(self, settings: Settings, camera: Camera) -> Settings:
+        """The settings with the probe in focus, where there is depth of field for it."""
+        if self.probe is None:
+            return settings
+        return self.probe.focused(settings, camera)
+
+    def as_seen(self, camera: Camera) -> SceneFile:
+        """The document with what the probe adds to it, so that a file makes the same picture."""
+        document, probe = self.document, self.probe
+        if probe is None:
+            return document
+        riding = probe.clipped(Clip(), camera).planes
+        return replace(
+            document,
+            light=self.lighted().lights,
+            clip=(*document.clip, *map(cut_of, riding)),
+            settings=probe.focused(document.settings, camera),
+        )
 
     def save(self, path: str | Path, document: SceneFile | None = None) -> None:
         """Write a scene file.
@@ -172,6 +218,11 @@ class Model:
             SaveError: It cannot be written.
         """
         write_scene_file(path, document or self.document)
+
+
+def cut_of(plane: Plane) -> Cut:
+    """A plane as scene files have it."""
+    return Cut(normal=plane.normal, point=plane.point)
 
 
 def _shows(scene: Scene) -> tuple[Show, ...]:

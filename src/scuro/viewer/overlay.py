@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scuro.viewer import navigate
-from scuro.viewer.handles import PUSH, Handles
+from scuro.viewer.cube import EDGES
+from scuro.viewer.handles import MOVE, PUSH, TILT, Handles
 from scuro.viewer.labels import Label, placed
 from scuro.viewer.measure import Measure, measures
 from scuro.viewer.pick import atom_name
+from scuro.viewer.theme import ACCENT, INK, PAPER
 from scuro.viewer.view import View
 
 if TYPE_CHECKING:
@@ -21,10 +23,10 @@ if TYPE_CHECKING:
 
 _AXES = (("x", 0xFF4444E6), ("y", 0xFF44B844), ("z", 0xFFE67844))
 """Colours as ImGui packs them: alpha, blue, green, red."""
-_INK, _PAPER = 0xFF202020, 0xD8FFFFFF
-_CHOSEN, _HANDLE = 0xFF20A0FF, 0xFFB0B0B0
-_MEASURE = 0xFF2090F0
-_CROSS = 32.0
+_HANDLE, _EDGE = 0xFFE8E4E0, 0xB0302820
+"""Handles are light with a dark rim: seen on every picture."""
+_CROSS_GROUND = 0xB0FFFFFF
+_CROSS = 26.0
 """Pixels from the middle of the axis cross to its tips."""
 _BAR = 120.0
 """Longest scale bar, pixels."""
@@ -56,7 +58,11 @@ def scene_unit(view: View) -> str:
 
 
 def draw_overlay(
-    view: View, handles: Handles, size: Size, labels: Sequence[Label], hover: str
+    view: View,
+    handles: Handles,
+    size: Size,
+    labels: Sequence[Label],
+    hover: tuple[str, Size | None],
 ) -> None:
     """Draw over the picture with ImGui, behind its windows.
 
@@ -65,7 +71,7 @@ def draw_overlay(
         handles: Of its clipping planes.
         size: Logical pixels of the picture.
         labels: Names to show at places.
-        hover: What is under the pointer, in words.
+        hover: What is under the pointer, in words, and where it is.
     """
     from imgui_bundle import imgui
 
@@ -77,18 +83,38 @@ def draw_overlay(
         _measure(paper, view, size, measure)
     if handles.shown:
         _handles(paper, view, handles, size)
-    if hover:
-        _text(paper, (12, 10), hover)
+    if view.windowing:
+        _text(paper, (14, 12), "window and level: drag; w ends it")
+    words, pointer = hover
+    if words and pointer is not None:
+        _hover(paper, pointer, size, words)
+
+
+def _hover(paper: Any, pointer: Size, size: Size, words: str) -> None:
+    """Beside the pointer, inside the picture."""
+    from imgui_bundle import imgui
+
+    width, height = imgui.calc_text_size(words)
+    x = min(pointer[0] + 16, size[0] - width - 8)
+    y = pointer[1] + 18 if pointer[1] + 22 + height < size[1] else pointer[1] - height - 12
+    _text(paper, (max(x, 6), max(y, 4)), words)
 
 
 def _cross(paper: Any, view: View, middle: Size) -> None:
+    from imgui_bundle import imgui
+
     rows = view.camera.view_from_world()[:3, :3]
     tips = [(rows[:, axis], *_AXES[axis]) for axis in range(3)]
+    paper.add_circle_filled(middle, _CROSS + 14, _CROSS_GROUND, 48)
     # the axis that points away is drawn first
     for direction, name, color in sorted(tips, key=lambda tip: tip[0][2]):
         tip = (middle[0] + _CROSS * direction[0], middle[1] - _CROSS * direction[1])
         paper.add_line(middle, tip, color, 2.5)
-        paper.add_text((tip[0] + 3, tip[1] - 7), color, name)
+        length = math.hypot(direction[0], direction[1])
+        if length > 0.2:  # beyond the tip; an axis along the line of sight has none
+            x, y = (middle[n] + (_CROSS + 8) * direction[n] * s for n, s in ((0, 1), (1, -1)))
+            width, height = imgui.calc_text_size(name)
+            paper.add_text((x - width / 2, y - height / 2), color, name)
 
 
 def _scale_bar(paper: Any, view: View, size: Size) -> None:
@@ -96,8 +122,8 @@ def _scale_bar(paper: Any, view: View, size: Size) -> None:
     length, text = nice_length(_BAR * pixel, scene_unit(view))
     right, y = size[0] - 20, size[1] - 20
     left = right - length / pixel
-    paper.add_rect_filled((left - 1, y - 1), (right + 1, y + 4), _PAPER)
-    paper.add_rect_filled((left, y), (right, y + 3), _INK)
+    paper.add_rect_filled((left - 1, y - 1), (right + 1, y + 4), PAPER)
+    paper.add_rect_filled((left, y), (right, y + 3), INK)
     _text(paper, (left, y - 20), text)
 
 
@@ -129,7 +155,7 @@ def _measure(paper: Any, view: View, size: Size, measure: Measure) -> None:
     if not (places[:, 2] > 0).all():
         return
     for a, b in itertools.pairwise(places):
-        paper.add_line(tuple(a[:2]), tuple(b[:2]), _MEASURE, 2.0)
+        paper.add_line(tuple(a[:2]), tuple(b[:2]), ACCENT, 2.0)
     middle = places[:, :2].mean(axis=0)
     _text(paper, (middle[0] + 6, middle[1] + 4), measure.text)
 
@@ -138,15 +164,28 @@ def _handles(paper: Any, view: View, handles: Handles, size: Size) -> None:
     every = handles.all()
     if not every:
         return
+    corners = handles.corners()
+    if corners is not None:
+        places = navigate.project(view.camera, corners, size)
+        for a, b in EDGES:
+            if (places[[a, b], 2] > 0).all():
+                paper.add_line(tuple(places[a, :2]), tuple(places[b, :2]), _HANDLE, 1.5)
     places = navigate.project(view.camera, [h.world for h in every], size)
-    for push, tilt in zip(range(0, len(every), 2), range(1, len(every), 2), strict=True):
-        if not (places[[push, tilt], 2] > 0).all():
+    roots = navigate.project(view.camera, [h.root for h in every], size)
+    for handle, place, root in zip(every, places, roots, strict=True):
+        if not (place[2] > 0 and root[2] > 0):
             continue
-        color = _CHOSEN if handles.chosen == every[push].plane else _HANDLE
-        knob, end = tuple(places[push, :2]), tuple(places[tilt, :2])
-        paper.add_line(knob, end, color, 2.0)
-        paper.add_circle_filled(knob, 7.0 if every[push].kind == PUSH else 5.0, color)
-        paper.add_circle_filled(end, 5.0, color)
+        chosen = handle.kind in (PUSH, TILT) and handles.chosen == handle.number
+        held = handles.held is not None and handles.held.kind == handle.kind
+        held = held and handles.held is not None and handles.held.number == handle.number
+        color = ACCENT if chosen or held else _HANDLE
+        middle = (place[0], place[1])
+        if handle.root != handle.world:
+            paper.add_line((root[0], root[1]), middle, _EDGE, 4.0)
+            paper.add_line((root[0], root[1]), middle, color, 2.0)
+        radius = 7.0 if handle.kind in (PUSH, MOVE) else 5.0
+        paper.add_circle_filled(middle, radius + 1.5, _EDGE)
+        paper.add_circle_filled(middle, radius, color)
 
 
 def arrow(paper: Any, view: View, size: Size, start: Any, vector: Any, color: int) -> None:
@@ -170,5 +209,5 @@ def _text(paper: Any, corner: Size, text: str) -> None:
 
     width, height = imgui.calc_text_size(text)
     x, y = corner
-    paper.add_rect_filled((x - 3, y - 2), (x + width + 3, y + height + 2), _PAPER, 3.0)
-    paper.add_text((x, y), _INK, text)
+    paper.add_rect_filled((x - 3, y - 2), (x + width + 3, y + height + 2), PAPER, 3.0)
+    paper.add_text((x, y), INK, text)

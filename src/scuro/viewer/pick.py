@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +27,8 @@ class Pick:
     body: Body
     instance: int
     """Which copy of the body."""
+    part: int
+    """Which of the item's bodies it is: the body itself is replaced when atoms move."""
     element: int
     """Number of the atom (or cell, …); -1 where the surface has none."""
     position: tuple[float, float, float]
@@ -50,8 +53,8 @@ class Pick:
         """Whether both name the same atom (or cell) of the same copy."""
         if self.element < 0:
             return self.position == other.position
-        return (self.body.name, self.instance, self.element) == (
-            other.body.name,
+        return self.item is other.item and (self.part, self.instance, self.element) == (
+            other.part,
             other.instance,
             other.element,
         )
@@ -74,22 +77,29 @@ def pick(drawn: Drawn, scene: Scene, x: float, y: float) -> Pick | None:
     depth = float(drawn.gpu.read_texel(drawn.resources["surface"], column, row)[3])
     pixel: Size = (column + 0.5, row + 0.5)
     place = unproject(drawn.camera, pixel, drawn.size, depth)
-    item, body, first = _owner(scene, int(ids[2]))
-    element = int(ids[0].astype(np.int32))
-    return Pick(item, body, int(ids[1]) - first, element, _tuple(place))
+    for owner, (item, part, body, first) in enumerate(placed_bodies(scene)):
+        if owner == int(ids[2]):
+            element = int(ids[0].astype(np.int32))
+            return Pick(item, body, int(ids[1]) - first, part, element, _tuple(place))
+    return None  # the picture is older than the scene
 
 
-def _owner(scene: Scene, index: int) -> tuple[Any, Body, int]:
-    """The item of a body, the body, and the number of its first instance in the scene."""
+def placed_bodies(scene: Scene) -> Iterator[tuple[Any, int, Body, int]]:
+    """Every body in the order of the ids: its item, its number there, it, its first instance."""
     first = 0
     groups = [(item, item.bodies()) for item in scene.items if hasattr(item, "bodies")]
     for item, bodies in [*groups, (None, scene.extra_bodies)]:
-        for body in bodies:
-            if index == 0:
-                return item, body, first
-            index -= 1
+        for part, body in enumerate(bodies):
+            yield item, part, body, first
             first += len(body.positions)
-    raise IndexError("the picture is older than the scene")
+
+
+def instance_number(scene: Scene, found: Pick) -> int | None:
+    """Number in the scene of the instance that was picked; ``None`` if it is gone."""
+    for item, part, body, first in placed_bodies(scene):
+        if item is found.item and part == found.part and found.instance < len(body.positions):
+            return first + found.instance
+    return None
 
 
 def sentence(found: Pick) -> str:

@@ -6,12 +6,11 @@ import itertools
 import json
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from scuro.errors import MissingExtraError, ScuroError, SettingsError
+from scuro.errors import SettingsError
 from scuro.probe.probe import Probe, ProbeSettings
 from scuro.viewer import navigate
 from scuro.viewer.navigate import Size
@@ -19,11 +18,14 @@ from scuro.viewer.view import View
 
 STEP = 0.4
 """Å the arrow keys move the hand."""
+STICK = 12.0
+"""Å a second a gamepad's stick moves the probe at most."""
 REPLAY = 30.0
 """Places of a recorded path that are shown a second."""
 _FORCE = 4.0
 """Å an arrow has for each Å of penetration (at a stiffness of one)."""
-_BALL, _RIM, _HAND, _ARROW, _PATH = 0x60E0A060, 0xFFB06020, 0xFF2020C0, 0xFF2020E0, 0xA0B06020
+_BALL, _SHINE, _RIM = 0x70D09040, 0x24FFE8D0, 0xFF703818
+_HAND, _ARROW, _PATH = 0xFF2020C0, 0xFF2020E0, 0xA0B06020
 _KEYS = {
     "ArrowLeft": (-1, 0, 0),
     "ArrowRight": (1, 0, 0),
@@ -40,45 +42,37 @@ class Probing:
 
     def __init__(self, view: View, clock: Callable[[], float] = time.perf_counter) -> None:
         self.view = view
-        self.settings = ProbeSettings()
         self._clock = clock
+        self._wanted = ProbeSettings()
         self._replay: list[list[float]] = []
         self._begun = 0.0
         self._shown = 0
+        self._pushed = (0.0, 0.0, 0.0)
+        self._pushed_at = 0.0
 
     @property
     def probe(self) -> Probe | None:
         return self.view.model.probe
 
+    @property
+    def settings(self) -> ProbeSettings:
+        """Of the probe, or of the one that will be."""
+        return self._wanted if self.probe is None else self.probe.settings
+
     def toggle(self) -> None:
         """Put a probe where the camera looks, moved out of the atoms, or take it away."""
         model = self.view.model
         if model.probe is not None:
+            self._wanted = model.probe.settings
             model.set_probe(None)
-            return
-        self.renew(self.view.camera.target)
-
-    def renew(self, start: Any) -> None:
-        """A probe with the present settings."""
-        model = self.view.model
-        try:
-            model.set_probe(Probe(model.scene, self.settings, start))
-        except ImportError:
-            model.message = str(MissingExtraError("Probes", "viewer"))
-        except ScuroError as error:
-            model.message = str(error)
+        else:
+            model.set_probe(self._wanted, self.view.camera.target)
 
     def change(self, settings: ProbeSettings) -> None:
-        """Take other settings; the atoms are sorted anew only if it must be."""
-        before, self.settings = self.settings, settings
-        probe = self.probe
-        if probe is None:
-            return
-        if (before.radius, before.select) != (settings.radius, settings.select):
-            self.renew(probe.position)
-        else:
-            probe.settings = settings
-            self.view.model.probe_moved()
+        """Take other settings."""
+        self._wanted = settings
+        if self.probe is not None:
+            self.view.model.change("probe", probe=settings)
 
     # --- hands -------------------------------------------------------------------------------
 
@@ -91,8 +85,24 @@ class Probing:
             return False
         offset = np.array(_KEYS[key]) @ self.view.camera.view_from_world()[:3, :3] * STEP
         self.probe.move(self.probe.position + offset)
-        self.view.model.probe_moved()
+        self.view.model.tell()
         return True
+
+    def push(self, x: float, y: float, z: float) -> None:
+        """A gamepad's sticks: to the right, up and toward the eye, each -1 to 1; until the next."""
+        self._pushed, self._pushed_at = (x, y, z), self._clock()
+
+    def _follow_sticks(self) -> None:
+        now = self._clock()
+        passed = min(now - self._pushed_at, 0.1)
+        self._pushed_at = now
+        if self.probe is None or not any(self._pushed):
+            return
+        way = np.array(self._pushed) @ self.view.camera.view_from_world()[:3, :3]
+        # squared, so that a light touch is slow
+        way *= float(np.linalg.norm(way)) * STICK * passed
+        self.probe.move(self.probe.position + way)
+        self.view.model.tell()
 
     def press(self, point: Size, size: Size) -> bool:
         """Take hold of the probe, if it is there."""
@@ -112,13 +122,13 @@ class Probing:
         right, up, _ = camera.view_from_world()[:3, :3]
         move = ((now[0] - last[0]) * right - (now[1] - last[1]) * up) * step
         self.probe.move(self.probe.target + move)
-        self.view.model.probe_moved()
+        self.view.model.tell()
 
     def release(self) -> bool:
         """Let go: the hand springs back to the probe."""
         if self.probe is not None and (self.probe.force != 0).any():
             self.probe.rest()
-            self.view.model.probe_moved()
+            self.view.model.tell()
         return False
 
     def _pixels(self, size: Size, depth: float) -> float:
@@ -136,11 +146,14 @@ class Probing:
 
     @property
     def wait(self) -> float | None:
-        """Seconds until the replay goes on; ``None`` if there is none."""
+        """Seconds until the replay or a stick goes on; ``None`` if there is none."""
+        if self.probe is not None and any(self._pushed):
+            return 0.02
         return 1 / REPLAY if self._replay else None
 
     def tick(self) -> None:
-        """Take the replay to the present time."""
+        """Take the replay, and what the sticks push, to the present time."""
+        self._follow_sticks()
         if not self._replay or self.probe is None:
             self._replay = []
             return
@@ -152,7 +165,7 @@ class Probing:
         if index != self._shown:
             self._shown = index
             self.probe.move(places[index])
-            self.view.model.probe_moved()
+            self.view.model.tell()
 
     # --- drawing -----------------------------------------------------------------------------
 
@@ -175,45 +188,20 @@ class Probing:
         if depth <= 0:
             return
         radius = self._pixels(size, depth)
-        paper.add_circle_filled((x, y), radius, _BALL, 48)
-        paper.add_circle((x, y), radius, _RIM, 48, 2.0)
+        _ball(paper, (x, y), radius)
         if (probe.force != 0).any() and hand[2] > 0:
             paper.add_circle_filled((hand[0], hand[1]), 3.0, _HAND)
             arrow(paper, self.view, size, probe.position, _FORCE * probe.force, _ARROW)
 
-    def panel(
-        self,
-        group: Callable[[str, Any], tuple[bool, Any]],
-        save: Callable[[str, Callable[[Path], None]], None],
-    ) -> None:
-        """The probe's part of the panel."""
-        from imgui_bundle import imgui
 
-        if not imgui.collapsing_header("Probe"):
-            return
-        changed, _ = imgui.checkbox("probe in the scene", self.probe is not None)
-        if changed:
-            self.toggle()
-        changed, settings = group("probe", self.settings)
-        if changed:
-            self.change(settings)
-        probe = self.probe
-        if probe is None:
-            return
-        x, y, z = probe.position
-        imgui.text(f"at {x:.2f}, {y:.2f}, {z:.2f} Å")
-        imgui.text(f"force {float(np.linalg.norm(probe.force)):.3g} pN")
-        _, probe.recording = imgui.checkbox("record its path", probe.recording)
-        imgui.text(f"{len(probe.path)} places")
-        for word, act in (
-            ("Replay", self.replay),
-            ("Save path", lambda: save("probe-path.json", probe.save_path)),
-            ("Forget", probe.path.clear),
-        ):
-            if imgui.small_button(word):
-                act()
-            imgui.same_line()
-        imgui.new_line()
+def _ball(paper: Any, middle: Size, radius: float) -> None:
+    """A translucent ball: seen wherever it is, and what is behind it, too."""
+    x, y = middle
+    paper.add_circle_filled(middle, radius, _BALL, 48)
+    for share in (0.75, 0.5, 0.25):
+        spot = (x - 0.3 * radius * (1 - share), y - 0.35 * radius * (1 - share))
+        paper.add_circle_filled(spot, radius * share, _SHINE, 48)
+    paper.add_circle(middle, radius, _RIM, 48, 1.5)
 
 
 def stream_handler(model: Any) -> Callable[[Any], Any]:
@@ -241,7 +229,7 @@ def stream_handler(model: Any) -> Callable[[Any], Any]:
                     # a device moves a thousand times a second; pictures need a sixtieth of that
                     if time.perf_counter() - shown > 1 / 60:
                         shown = time.perf_counter()
-                        model.probe_moved()
+                        model.tell()
                 answer = model.probe.state()
             except SettingsError as error:
                 answer = {"error": str(error)}
@@ -249,6 +237,6 @@ def stream_handler(model: Any) -> Callable[[Any], Any]:
                 answer = {"error": 'send {"target": [x, y, z]} in ångström'}
             await socket.send_str(json.dumps(answer))
         if model.probe is not None:
-            model.probe_moved()
+            model.tell()
 
     return handle

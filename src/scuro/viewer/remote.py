@@ -27,6 +27,7 @@ EVENTS = {
     "key_up": ("key",),
     "char": ("data",),
     "shown": ("index",),
+    "gamepad": ("x", "y", "z", "turn_x", "turn_y"),
 }
 """The messages a page may send, and what each must hold."""
 IGNORED = frozenset({"show", "hide", "focus_in", "focus_out", "close"})

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from scuro.render import Renderer
+from scuro.viewer import navigate
 from scuro.viewer.controls import Controls
 from scuro.viewer.drawing import Drawn
 from scuro.viewer.gui import Gui
@@ -15,6 +16,8 @@ from scuro.viewer.model import Model
 from scuro.viewer.overlay import draw_overlay
 from scuro.viewer.panel import WIDTH as PANEL_WIDTH
 from scuro.viewer.panel import Panel
+from scuro.viewer.pick import instance_number
+from scuro.viewer.playbar import PlayBar
 from scuro.viewer.probing import Probing
 from scuro.viewer.view import View
 
@@ -35,6 +38,7 @@ class Screen:
         deliver: Where saved pictures and scene files go: a name, and a function that writes them
             to a path with that ending; it returns a sentence for people.
         listing: Files to offer for opening.
+        elsewhere: Whether ``deliver`` takes files to another machine.
     """
 
     def __init__(
@@ -44,6 +48,7 @@ class Screen:
         format: str,
         deliver: Callable[[str, Callable[[Path], None]], str],
         listing: Callable[[], list[str]] = list,
+        elsewhere: bool = False,
     ) -> None:
         self.model = model
         self.gpu = renderer.gpu
@@ -52,7 +57,8 @@ class Screen:
         self.probing = Probing(self.view)
         self.controls = Controls(self.view, self.handles, self.probing)
         self.gui = Gui(self.gpu, format)
-        self.panel = Panel(self.view, self.handles, self.probing, deliver, listing)
+        self.panel = Panel(self.view, self.handles, self.probing, deliver, listing, elsewhere)
+        self.play_bar = PlayBar(self.view)
         self.controls.key_hook = self.panel.key
         self.logical = (64.0, 48.0)
         self.ratio = 1.0
@@ -88,19 +94,31 @@ class Screen:
     def handle(self, event: dict[str, Any]) -> None:
         """Act on one event of rendercanvas."""
         self._touched = True
+        if event["event_type"] == "gamepad":
+            self._gamepad(event)
+            return
         taken = self.gui.handle(event)
         if not taken or self.controls.dragging or event["event_type"] == "pointer_leave":
             self.controls.handle(event)
         elif event["event_type"] == "pointer_move":
             self.controls.pointer = None
 
+    def _gamepad(self, event: dict[str, Any]) -> None:
+        """The left stick and the triggers move the probe, the right stick turns the scene."""
+        axes = [min(max(float(event[name]), -1.0), 1.0) for name in ("x", "y", "z")]
+        self.probing.push(*axes)
+        turn = (8 * float(event["turn_x"]), 8 * float(event["turn_y"]))
+        if any(turn):
+            self.view.move(navigate.orbit(self.view.camera, turn, self.controls.logical))
+
     @property
     def wait(self) -> float | None:
         """Seconds until there is something to draw; ``None`` when nothing changes by itself."""
-        if self._touched or self.gui.busy:
+        if self._touched:
             return 0.0
-        waits = [w for w in (self.view.wait, self.panel.wait) if w is not None]
-        return min(waits, default=None)
+        timed = (self.view, self.gui, self.panel.jobs, self.probing, self.model.player)
+        waits = [part.wait for part in timed]
+        return min((w for w in waits if w is not None), default=None)
 
     def draw(self, target: Any) -> None:
         """Draw the next picture with everything over it.
@@ -109,23 +127,33 @@ class Screen:
             target: Texture of the physical size.
         """
         self._touched = False
-        self.panel.tick()
+        self._tick()
         self._lay_out()
         drawn = self.view.draw()
         self._show(drawn, target)
         self._look()
         self.gui.draw(target.create_view(), self.logical, self.ratio, self._interface)
 
+    def _tick(self) -> None:
+        """Do what time brings."""
+        self.probing.tick()
+        self.model.player.tick()
+        if not self.view.moving:
+            self.panel.jobs.tick()
+
     def _interface(self) -> None:
         picture = self.controls.logical
-        draw_overlay(self.view, self.handles, picture, self.panel.labels(), self._hover)
         self.probing.draw(picture)
+        hover = (self._hover, self.controls.pointer)
+        draw_overlay(self.view, self.handles, picture, self.panel.labels(), hover)
+        self.play_bar.draw(picture)
         self.panel.draw(self.logical)
 
     def _look(self) -> None:
         """Ask what is under a pointer that came to rest; not while things move."""
         pointer = self.controls.pointer
-        if self.controls.dragging or self.view.moving or pointer is None:
+        away = self.gui.over or (pointer is not None and pointer[0] > self.controls.logical[0])
+        if self.controls.dragging or self.view.moving or pointer is None or away:
             self._hover, self._asked = "", None
         elif pointer != self._asked:
             self._asked = pointer
@@ -138,7 +166,10 @@ class Screen:
             recorder.clear_texture(target, (0.1, 0.1, 0.11, 1.0))
             recorder.submit()
             return
-        chosen = [self._id(p) for p in self.view.selection if p.element >= 0][:_MOST_OUTLINED]
+        scene = self.model.scene
+        picks = [p for p in self.view.selection if p.element >= 0][:_MOST_OUTLINED]
+        numbers = [(p.element, instance_number(scene, p)) for p in picks]
+        chosen = [(element, n, 0, 0) for element, n in numbers if n is not None]
         uniform = {
             "size": self.view.size,
             "selected": len(chosen),
@@ -150,16 +181,9 @@ class Screen:
         recorder.draw("viewer/screen.wgsl", {"screen": target}, 3, 1, resources, clear=True)
         recorder.submit()
 
-    def _id(self, pick: Any) -> tuple[int, int, int, int]:
-        first = 0
-        for body in self.model.scene.bodies():
-            if body is pick.body:
-                break
-            first += len(body.positions)
-        return pick.element, first + pick.instance, 0, 0
-
     def close(self) -> None:
         """Free what this screen holds."""
+        self.panel.jobs.close()
         self.gui.close()
 
 

@@ -55,6 +55,10 @@ class View:
         self.camera = self.initial_camera()
         self.selection: list[Pick] = []
         self.spinning = False
+        self.profile = "scuro"
+        """What drags do: a name in :data:`scuro.viewer.controls.PROFILES`."""
+        self.windowing = False
+        """Whether dragging sets window and level of a volume."""
         self.share = 0.0
         """How far the picture is refined; 1 when it is the full one."""
         self.drawn: Drawn | None = None
@@ -68,6 +72,13 @@ class View:
         self._steps: Iterator[Step] = iter(())
         self._step: Step | None = None
         self._slices: Iterator[Drawn | float] = iter(())
+        self._work: Iterator[float] | None = None
+        self.built: float | None = None
+        """How far something slow is built that the picture needs; ``None`` if nothing is."""
+        self.stopped = False
+        """Whether a person stopped the work on the full picture; until the next change."""
+        self._bare = False
+        self._prepare()
         self.refresh()
         model.watch(self)
 
@@ -80,14 +91,33 @@ class View:
 
     def refresh(self) -> None:
         """The picture is out of date: draw anew, from the roughest step."""
-        self._steps, self._step = steps(self.full_settings), None
+        target = plain(self.full_settings) if self._bare else self.full_settings
+        self._steps, self._step = steps(target), None
         self.share = 0.0
+        self.stopped = self._bare
         self.changed()
+
+    def _prepare(self) -> None:
+        """Something may have to be built first; pictures are plain until it is."""
+        scene = self.model.dressed(self.camera)
+        self._work = self.renderer.prepare(scene, self.camera, self.full_settings)
+        self._bare, self.built = False, None
+
+    def stop(self) -> None:
+        """Leave the picture as it is: cancel what is being built, or refine it no more."""
+        if self._work is not None:
+            self._work, self.built, self._bare = None, None, True
+            self.refresh()
+            return
+        self._steps, self._step, self.stopped = iter(()), None, True
 
     def move(self, camera: Camera) -> None:
         """See the scene from elsewhere; the picture is rough until this stops."""
         if camera != self.camera:
             self.camera = camera
+            probe = self.model.probe
+            if probe is not None and probe.settings.clip:
+                self._prepare()  # a plane rides with the camera
             self.stir()
 
     def stir(self) -> None:
@@ -99,6 +129,7 @@ class View:
         """The model's scene, settings or clipping changed."""
         self.pacing.plain = False
         self.selection = [p for p in self.selection if p.item in self.model.scene.items]
+        self._prepare()
         self.stir()
 
     def resize(self, size: tuple[int, int]) -> None:
@@ -110,16 +141,34 @@ class View:
     @property
     def full_settings(self) -> Settings:
         """Of the picture that the view comes to rest at; ``scuro render`` makes the same one."""
-        return self.model.settings.replace(size=self.size)
+        settings = self.model.settings.replace(size=self.size)
+        return self.model.focused(settings, self.camera)
 
     @property
     def moving(self) -> bool:
-        return self.spinning or self._clock() - self._moved < REST
+        playing = self.model.player.playing
+        return playing or self.spinning or self._clock() - self._moved < REST
+
+    @property
+    def complete(self) -> bool:
+        """Whether there is nothing left to draw until something changes."""
+        return self.share >= 1 or (self.stopped and self._step is None and self.share > 0)
+
+    @property
+    def status(self) -> str:
+        """How far the picture is, in words."""
+        if self.built is not None:
+            return f"building {self.built:.0%}"
+        if self.stopped:
+            return "effects left out" if self._bare else f"stopped at {self.share:.0%}"
+        return "complete" if self.share >= 1 else f"refining {self.share:.0%}"
 
     @property
     def wait(self) -> float | None:
         """Seconds until :meth:`draw` has something to do; ``None`` if nothing changes."""
-        if self.share >= 1 and not self.spinning:
+        if self._work is not None:
+            return 0.0
+        if self.complete and not self.spinning:
             return None
         if self.moving and self.share > 0 and not self.spinning:
             # the rough picture of this place is drawn: wait for the next one, or for rest
@@ -136,20 +185,32 @@ class View:
         if self.spinning:
             self._spin()
         try:
-            if self.moving:
+            if self._work is not None:
+                self._build_on()
+            if self.moving or self._work is not None:
                 if self.share == 0:
                     self._draw_moving()
-            else:
+            elif not self.complete:
                 self._draw_resting()
         except ScuroError as error:
-            self.drawn, self.error, self.share = None, str(error), 1.0
+            self.drawn, self.error, self.share, self._work = None, str(error), 1.0, None
         else:
             self.error = ""
         return self.drawn
 
+    def _build_on(self) -> None:
+        """Do one slice of what must be built."""
+        assert self._work is not None
+        self.model.dressed(self.camera)
+        self.built = next(self._work, None)
+        if self.built is None:
+            self._work = None
+            if self.share > 0:
+                self.refresh()  # the plain picture is there: now the real one
+
     def _draw_moving(self) -> None:
         settings = coarse(self.full_settings)
-        if self.pacing.plain:
+        if self.pacing.plain or self._bare or self._work is not None:
             settings = plain(settings)
         settings = settings.replace(size=moving_size(self.size, self.pacing.scale))
         for drawn in self.drawing.draw(self.model.dressed(self.camera), self.camera, settings):
@@ -197,6 +258,26 @@ class View:
         aspect = self.size[0] / self.size[1]
         bounds = scene.bounds()
         self.move(navigate.fit(self.camera, bounds, aspect, points if len(points) else None))
+
+    def toggle_windowing(self) -> None:
+        """Drags set window and level of the volume, or turn again."""
+        self.windowing = not self.windowing and bool(self.model.scene.volumes)
+        self.changed()
+
+    def adjust_window(self, wider: float, higher: float) -> None:
+        """Change window and level of the volume by shares of its range of values."""
+        model = self.model
+        if not model.scene.volumes:
+            return
+        low, high = model.scene.volumes[0].volume.value_range
+        span = (high - low) or 1.0
+        settings = model.settings.volume
+        window = span if settings.window is None else settings.window
+        level = (low + high) / 2 if settings.level is None else settings.level
+        window = min(max(window + wider * span, span / 256), 2 * span)
+        level = min(max(level + higher * span, low - span / 2), high + span / 2)
+        changed = model.settings.replace(volume__window=window, volume__level=level)
+        model.change("window", settings=changed)
 
     # --- what is under the pointer -----------------------------------------------------------
 
@@ -252,7 +333,6 @@ class View:
     def view_settings(self) -> ViewSettings:
         """The camera as settings, for scene files and pictures."""
         camera = self.camera
-        up = camera.view_from_world()[1, :3].tolist()
         fov = camera.fov
         if camera.height is not None:
             # an orthographic view is stored by its height at the target: the angle gives it back
@@ -260,11 +340,15 @@ class View:
         return ViewSettings(
             position=camera.position,
             target=camera.target,
-            up=(up[0], up[1], up[2]),
+            up=camera.up,
             fov=min(160.0, max(0.1, fov)),
             orthographic=camera.orthographic,
         )
 
     def document(self) -> Any:
-        """The model's document as this view sees it, at this size."""
-        return replace(self.model.document, view=self.view_settings(), settings=self.full_settings)
+        """The document that makes this view's picture, at this size."""
+        return replace(
+            self.model.as_seen(self.camera),
+            view=self.view_settings(),
+            settings=self.full_settings,
+        )

@@ -11,9 +11,10 @@ a patch is one texel, the average over the whole atom.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from scuro.passes.frame import Frame
 from scuro.passes.occlusion.analytic import neighbour_table
 from scuro.passes.occlusion.ray import fibonacci_sphere
 from scuro.settings import SettingsGroup, setting
+from scuro.trace import Accelerator
 from scuro.trace.pack import NO_PRIMITIVE, pack_geometry
 from scuro.trace.table import float_table
 
@@ -68,7 +70,9 @@ class Atlas:
 
 def draw(frame: Frame) -> None:
     """Fill ``visibility``, baking first if geometry, clipping or settings changed."""
-    atlas = frame.targets.table("baked", _key(frame), lambda: bake(frame))
+    atlas = _kept(frame)
+    if atlas is None:
+        atlas = _keep(frame, bake(frame))
     frame.compute_tiles(
         "passes/occlusion/baked.wgsl",
         {
@@ -85,9 +89,29 @@ def draw(frame: Frame) -> None:
     )
 
 
+def prepare(frame: Frame) -> Iterator[float]:
+    """Bake in slices what :func:`draw` would bake at once; yields the share that is done."""
+    if _kept(frame) is None:
+        _keep(frame, (yield from bake_in_steps(frame)))
+
+
+_atlases: WeakKeyDictionary[Accelerator, tuple[Any, Atlas]] = WeakKeyDictionary()
+"""The last atlas of each scene: all views of it share one."""
+
+
+def _kept(frame: Frame) -> Atlas | None:
+    key, atlas = _atlases.get(frame.accelerator, (None, None))
+    return atlas if key == _key(frame) else None
+
+
+def _keep(frame: Frame, atlas: Atlas) -> Atlas:
+    _atlases[frame.accelerator] = _key(frame), atlas
+    return atlas
+
+
 def _key(frame: Frame) -> tuple:
     planes = np.asarray(frame.resources["scene"]["planes"]).tobytes()
-    return (id(frame.accelerator), planes, frame.settings.occlusion.baked)
+    return planes, frame.settings.occlusion.baked
 
 
 def bake(frame: Frame) -> Atlas:
@@ -101,7 +125,7 @@ def bake(frame: Frame) -> Atlas:
             return atlas
 
 
-def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Iterator[float]:
+def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Generator[float, None, Atlas]:
     """Bake a few directions at a time; yields the share that is done, returns the :class:`Atlas`.
 
     Args:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib import import_module
 
 from scuro.passes.frame import Frame
@@ -57,6 +57,15 @@ def draw_occlusion(frame: Frame) -> None:
     technique = frame.settings.occlusion.technique
     if technique != "none":
         _function(TECHNIQUES[technique])(frame)
+
+
+def prepare_occlusion(frame: Frame) -> Iterator[float]:
+    """Build in slices what the technique builds before its first picture; yields shares done."""
+    place = TECHNIQUES.get(frame.settings.occlusion.technique, "")
+    if place:
+        prepare = getattr(import_module(place.split(":")[0]), "prepare", None)
+        if prepare is not None:
+            yield from prepare(frame)
 
 
 def _function(place: str) -> Callable[[Frame], None]:

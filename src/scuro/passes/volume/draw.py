@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +26,9 @@ from scuro.scene.clip import Clip
 from scuro.scene.geometry import Body
 from scuro.scene.volume import Volume
 from scuro.style.transfer import TransferFunction
+
+SLICE_BYTES = 4 << 20
+"""Of the pyramid's slabs where it is built in slices."""
 
 
 @dataclass
@@ -72,20 +75,52 @@ class VolumePicture:
         self, classified: Classified, settings: VolumeSettings, clip: Clip, solids: Any = None
     ) -> Pyramid:
         """The extinction pyramid for the current transfer function and clipping."""
+        name, key = self._pyramid_key(classified, settings, clip, solids)
+        return self._keep(
+            name, key, lambda: self._new_pyramid(classified, settings, clip, solids, True)
+        )
+
+    @staticmethod
+    def _pyramid_key(
+        classified: Classified, settings: VolumeSettings, clip: Clip, solids: Any
+    ) -> tuple[str, Any]:
         boxes = settings.light in PEERS
         key = (classified, settings.sigma, settings.coefficients, clip, solids, boxes)
-        return self._keep(
-            "pyramid" if solids is None else "pyramid with solids",
-            key,
-            lambda: Pyramid(
-                classified,
-                self.uniform(settings, clip, classified),
-                sigma=settings.sigma,
-                factor=settings.coefficients,
-                solids=solids,
-                boxes=boxes,
-            ),
+        return "pyramid" if solids is None else "pyramid with solids", key
+
+    def _new_pyramid(
+        self,
+        classified: Classified,
+        settings: VolumeSettings,
+        clip: Clip,
+        solids: Any,
+        build: bool,
+    ) -> Pyramid:
+        return Pyramid(
+            classified,
+            self.uniform(settings, clip, classified),
+            sigma=settings.sigma,
+            factor=settings.coefficients,
+            solids=solids,
+            boxes=settings.light in PEERS,
+            build=build,
         )
+
+    def prepare(
+        self, settings: VolumeSettings, transfer: TransferFunction, clip: Clip, solids: Any
+    ) -> Iterator[float]:
+        """Build in slices the pyramid that a picture will need; yields the share that is done."""
+        if settings.light == "monte-carlo" or not (settings.occlusion.on or settings.shadow.on):
+            return
+        classified = self.classified(transfer, settings)
+        name, key = self._pyramid_key(classified, settings, clip, solids)
+        if self._kept.get(name, (None,))[0] == key:
+            return
+        pyramid = self._new_pyramid(classified, settings, clip, solids, False)
+        for share in pyramid.build(SLICE_BYTES):
+            self.gpu.finish()
+            yield share
+        self._kept[name] = (key, pyramid)
 
     def cones(self, settings: VolumeSettings, pyramid: Pyramid, clip: Clip) -> dict[str, Any]:
         """What cone.wgsl and peers.wgsl want bound besides the volume."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from scuro.errors import SettingsError
 from scuro.passes.compose.lighting import lighting_of, lights_uniform
 from scuro.passes.frame import Frame
 from scuro.passes.volume.draw import VolumePicture
+from scuro.passes.volume.settings import VolumeSettings
+from scuro.style.transfer import TransferFunction
 from scuro.style.transfer_choose import choose_transfer
 
 if TYPE_CHECKING:
@@ -28,15 +31,10 @@ class Volumes:
         if self._picture is not None:
             self._picture.restart()
 
-    def draw(self, frame: Frame, scene: Scene) -> None:
-        """Draw the scene's volume, if it has one, over ``color``.
-
-        Raises:
-            SettingsError: The scene has several volumes.
-        """
-        if not scene.volumes:
-            self._picture = None
-            return
+    def _chosen(
+        self, frame: Frame, scene: Scene
+    ) -> tuple[VolumePicture, VolumeSettings, TransferFunction]:
+        """The scene's volume, the settings that hold for it, and its transfer function."""
         if len(scene.volumes) > 1:
             names = ", ".join(item.volume.name for item in scene.volumes)
             raise SettingsError(f"one volume a picture: the scene has {names}")
@@ -55,6 +53,29 @@ class Volumes:
         transfer = item.shown or choose_transfer(
             item.volume, settings.transfer, settings.opacity, settings.window, settings.level
         )
+        return self._picture, settings, transfer
+
+    def prepare(self, frame: Frame, scene: Scene) -> Iterator[float]:
+        """Build in slices what :meth:`draw` would build first; yields the share that is done."""
+        if not scene.volumes:
+            return
+        picture, settings, transfer = self._chosen(frame, scene)
+        bodies = scene.bodies()
+        lighted = settings.occlusion.on or settings.shadow.on
+        solids = picture.solids(bodies) if lighted else None
+        yield from picture.prepare(settings, transfer, scene.clip, solids)
+
+    def draw(self, frame: Frame, scene: Scene) -> None:
+        """Draw the scene's volume, if it has one, over ``color``.
+
+        Raises:
+            SettingsError: The scene has several volumes.
+        """
+        if not scene.volumes:
+            self._picture = None
+            return
+        picture, settings, transfer = self._chosen(frame, scene)
+        center = frame.accelerator.center
         lighting = lighting_of(frame.settings.lighting, scene.lighting)
         lights = lights_uniform(lighting, frame.camera, center, shadows=settings.shadow.on)
         casting = sum(light["shadow"] >= 0 for light in lights["list"])
@@ -71,14 +92,14 @@ class Volumes:
             "size": frame.size,
             "clip": scene.clip,
         }
-        self._picture.draw(
+        picture.draw(
             frame.recorder,
             settings,
             transfer,
             color=frame.target("volume_color", "rgba16float"),
             depth=frame.target("volume_depth", "r32float"),
             surface=frame.resources["surface"] if bodies else None,
-            solids=self._picture.solids(bodies) if lighted else None,
+            solids=picture.solids(bodies) if lighted else None,
             **common,
         )
         on_surfaces = bool(bodies) and lighted
@@ -86,7 +107,7 @@ class Volumes:
             "surface_light", "r32float", size=frame.size if on_surfaces else (1, 1)
         )
         if on_surfaces:
-            self._picture.light_surfaces(
+            picture.light_surfaces(
                 frame.recorder,
                 settings,
                 transfer,

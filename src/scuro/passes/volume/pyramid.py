@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,7 @@ class Pyramid:
         factor: 1, 2 or 4: voxels along each edge of the first level's voxels.
         solids: Texture that is 1 where surfaces fill space, or None.
         boxes: Average 2 × 2 × 2 texels instead of blurring, as a plain mip chain does.
+        build: Fill it at once; else :meth:`build` does.
     """
 
     def __init__(
@@ -44,6 +45,7 @@ class Pyramid:
         factor: int = 1,
         solids: Any = None,
         boxes: bool = False,
+        build: bool = True,
     ) -> None:
         self.boxes = boxes
         self.gpu = classified.gpu
@@ -69,14 +71,21 @@ class Pyramid:
             "HAS_SOLIDS": solids is not None,
             "COARSE": factor > 1,
         }
-        self._build()
+        if build:
+            for _ in self.build():
+                pass
 
     @property
     def bytes(self) -> int:
         """Memory of the pyramid."""
         return sum(2 * math.prod(size) for size in self.sizes)
 
-    def _build(self) -> None:
+    def build(self, slab: int = SLAB_BYTES) -> Iterator[float]:
+        """Fill all levels, slab by slab; yields the share that is done.
+
+        Args:
+            slab: Roughly how many bytes of a level are worked on at once.
+        """
         size = self.classified.grid.size
         plans = []
         for k, out in enumerate(self.sizes):
@@ -88,12 +97,15 @@ class Pyramid:
         words = max(
             _words(source) * min(source[2], planes + 2 * self._halo(sigmas[2]) + 2)
             for _, source, _, sigmas in plans
-            for planes in (self._planes(source),)
+            for planes in (self._planes(source, slab),)
         )
         words = max(words, 64)
         scratch = [self.gpu.buffer(4 * words, label="pyramid scratch") for _ in range(2)]
+        total, done = sum(map(math.prod, self.sizes)), 0
         for plan in plans:
-            self._build_level(*plan, scratch)
+            for planes in self._build_level(*plan, scratch, slab):
+                done += planes * math.prod(plan[2][:2])
+                yield done / total
         for buffer in scratch:
             self.gpu.device.queue.read_buffer(buffer, 0, 4)  # done with them
 
@@ -102,8 +114,8 @@ class Pyramid:
         return math.ceil(REACH * sigma) + 1
 
     @staticmethod
-    def _planes(source: tuple[int, ...]) -> int:
-        return max(1, SLAB_BYTES // (4 * _words(source)))
+    def _planes(source: tuple[int, ...], slab: int) -> int:
+        return max(1, slab // (4 * _words(source)))
 
     def _build_level(
         self,
@@ -112,10 +124,11 @@ class Pyramid:
         out: tuple[int, ...],
         sigmas: NDArray,
         scratch: list[Any],
-    ) -> None:
+        slab: int,
+    ) -> Iterator[int]:
         halo = self._halo(sigmas[2])
         ratio = source[2] / out[2]
-        planes = max(1, int(self._planes(source) / ratio))
+        planes = max(1, int(self._planes(source, slab) / ratio))
         a, b = scratch
         for first in range(0, out[2], planes):
             count = min(planes, out[2] - first)
@@ -174,6 +187,7 @@ class Pyramid:
                 a, b = b, a
             record.copy_buffer_to_texture(a, self.texture, mip=k, first=first, planes=count)
             record.submit()
+            yield count
 
     def _view(self, mip: int) -> Any:
         """All levels up to one: a level may not be read while it is written."""

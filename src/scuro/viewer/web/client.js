@@ -93,10 +93,35 @@ function followFingers (element) {
   element.addEventListener('pointercancel', lift, true)
 }
 
+// A gamepad's sticks and triggers, while they are off their rest; once more when they return.
+function followGamepad () {
+  let moving = false
+  const dead = (v) => (Math.abs(v) < 0.15 ? 0 : Math.round(v * 100) / 100)
+  const look = () => {
+    const pad = [...navigator.getGamepads()].find((p) => p && p.mapping === 'standard')
+    if (!pad) { return }
+    const [x, y, u, v] = pad.axes.map(dead)
+    const z = dead(pad.buttons[7].value - pad.buttons[6].value)
+    const now = [x, y, u, v, z].some((value) => value !== 0)
+    if (now || moving) {
+      view.onEvent({ type: 'gamepad', x, y: -y, z: -z, turn_x: u, turn_y: v })
+    }
+    moving = now
+  }
+  let timer = null
+  window.addEventListener('gamepadconnected', () => { timer = timer || setInterval(look, 33) })
+  window.addEventListener('gamepaddisconnected', () => {
+    if ([...navigator.getGamepads()].every((p) => !p)) { clearInterval(timer); timer = null }
+  })
+}
+
 socket.onopen = () => {
   status.textContent = ''
   view = new View(document.getElementById('canvas'))
   followFingers(view.viewElement)
+  followGamepad()
+  // keys work without a click first
+  document.querySelector('#rendercanvas-focus-element-container input')?.focus({ preventScroll: true })
 }
 socket.onmessage = (message) => {
   if (typeof message.data === 'string') {

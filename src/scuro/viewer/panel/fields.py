@@ -60,7 +60,12 @@ class Fields:
             return changed and value is not None, None
         if value is None:
             return True, _start(p)
-        return self._value(place, p, value)
+        taken = imgui.calc_text_size("auto").x + imgui.get_frame_height() + 14
+        imgui.push_item_width(imgui.calc_item_width() - taken)
+        try:
+            return self._value(place, p, value)
+        finally:
+            imgui.pop_item_width()
 
     def _value(self, place: str, p: Parameter, value: Any) -> tuple[bool, Any]:
         if p.many:
@@ -124,10 +129,40 @@ class Fields:
             self._typed.pop(place, None)
         return False, value
 
+    def word_or_menu(
+        self, place: str, title: str, value: str, known: tuple[str, ...]
+    ) -> tuple[bool, str]:
+        """A line of text with a menu of known words beside it."""
+        from imgui_bundle import imgui
+
+        imgui.push_id(place)
+        width = imgui.calc_item_width()
+        button = imgui.get_frame_height()
+        imgui.push_item_width(width - button - 2)
+        changed, word = self.text(place, "##text", value)
+        imgui.pop_item_width()
+        imgui.same_line(0, 2)
+        if imgui.arrow_button("menu", imgui.Dir.down):
+            imgui.open_popup("words")
+        imgui.same_line()
+        imgui.text(title)
+        if imgui.begin_popup("words"):
+            for one in known:
+                if imgui.selectable(one, one == value)[0]:
+                    changed, word = True, one
+            imgui.end_popup()
+        imgui.pop_id()
+        return changed, word
+
 
 def label(p: Parameter) -> str:
     """The setting's name in plain words."""
-    return p.name.replace("_", " ")
+    return label_of(p.name)
+
+
+def label_of(name: str) -> str:
+    """A name of the settings in plain words."""
+    return name.replace("_", " ")
 
 
 def _number(title: str, p: Parameter, value: Any, unit: bool = True) -> tuple[bool, Any]:

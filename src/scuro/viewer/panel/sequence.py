@@ -88,7 +88,7 @@ class SequenceStrip:
         bodies = item.bodies()
         local = item.molecule.positions[atom].astype(float)
         x, y, z = local.tolist()
-        found = Pick(item, bodies[0], 0, atom, (x, y, z))
+        found = Pick(item, bodies[0], 0, 0, atom, (x, y, z))
         self.view.select(found, add)
         if not add:
             self.view.move(navigate.centered(self.view.camera, found.anchor))

@@ -1,0 +1,95 @@
+"""Work that takes longer than a picture, done a slice at a time, with progress, to be cancelled."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from scuro.errors import ScuroError
+
+T = TypeVar("T")
+Work = Generator[float, None, str]
+"""Yields the share that is done after each slice; returns a sentence for people."""
+
+
+@dataclass(eq=False)
+class Job:
+    """One such work."""
+
+    title: str
+    work: Work
+    share: float = 0.0
+
+
+class Jobs:
+    """Those of one screen, one after another."""
+
+    def __init__(self) -> None:
+        self.waiting: list[Job] = []
+        self.message = ""
+        """What the last one said when it ended."""
+
+    def add(self, title: str, work: Work) -> None:
+        """Begin a work when those before it are done."""
+        self.waiting.append(Job(title, work))
+        self.message = ""
+
+    def cancel(self, job: Job) -> None:
+        """Stop a work; it leaves nothing behind."""
+        job.work.close()
+        self.waiting.remove(job)
+        self.message = f"{job.title}: cancelled"
+
+    def tick(self) -> None:
+        """Do one slice."""
+        if not self.waiting:
+            return
+        job = self.waiting[0]
+        try:
+            job.share = next(job.work)
+        except StopIteration as end:
+            self.waiting.remove(job)
+            self.message = end.value or ""
+        except ScuroError as error:
+            self.waiting.remove(job)
+            self.message = f"{job.title}: {error}"
+
+    @property
+    def wait(self) -> float | None:
+        """Seconds until the next slice; ``None`` if there is nothing to do."""
+        return 0.0 if self.waiting else None
+
+    def close(self) -> None:
+        """Stop all of them."""
+        while self.waiting:
+            self.cancel(self.waiting[0])
+
+
+def in_thread(action: Callable[[], T]) -> Generator[float, None, T]:
+    """Do what cannot be cut into slices beside the window; yields 0 until it is done."""
+    results: list[Any] = []
+
+    def run() -> None:
+        try:
+            results.append((True, action()))
+        except BaseException as error:  # handed on to the one who waits
+            results.append((False, error))
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(0.02)
+        yield 0.0
+    fine, value = results[0]
+    if not fine:
+        raise value
+    made: T = value
+    return made
+
+
+def scaled(shares: Iterator[float], low: float, high: float) -> Iterator[float]:
+    """Shares of a part as shares of the whole."""
+    for share in shares:
+        yield low + share * (high - low)

@@ -1,0 +1,79 @@
+"""The parts of the panel that open and save."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from scuro.errors import ScuroError
+from scuro.viewer.panel.groups import Groups, buttons, heading
+from scuro.viewer.player import play_options
+from scuro.viewer.saving import Saving
+
+
+class Files:
+    """Opening scenes; saving pictures, films and scene files."""
+
+    def __init__(self, groups: Groups, saving: Saving, listing: Callable[[], list[str]]) -> None:
+        self._groups = groups
+        self.view = groups.view
+        self._saving = saving
+        self._listing = listing
+        self._listed: list[str] | None = None
+
+    def open(self) -> None:
+        """Another file or scene."""
+        from imgui_bundle import imgui
+
+        if not heading("Open"):
+            self._listed = None
+            return
+        given, path = self._groups.fields.text("open", "file", "")
+        imgui.set_item_tooltip("A file, PDB ID or scene file; press Enter")
+        if given and path:
+            self._open(path)
+        if self._listed is None:
+            self._listed = self._listing()
+        for listed in self._listed:
+            if imgui.selectable(listed, False)[0]:
+                self._open(listed)
+
+    def _open(self, path: str) -> None:
+        if self.view.model.open_path(path):
+            self.view.camera = self.view.initial_camera()
+            self.view.stir()
+
+    def save(self) -> None:
+        """Pictures, films, scene files."""
+        from imgui_bundle import imgui
+
+        saving = self._saving
+        imgui.separator_text("Picture")
+        imgui.push_id("picture")
+        changed, new = self._groups.singles("picture", saving.picture_settings)
+        if changed:
+            saving.picture_settings = new
+        tip = "The same pixels as 'scuro render' makes of the scene file"
+        buttons(("Save picture", tip, lambda: self._try(saving.picture)))
+        imgui.pop_id()
+        imgui.separator_text("Film")
+        imgui.push_id("film")
+        changed, chosen = self._groups.singles("film", saving.film_settings)
+        if changed:
+            saving.film_settings = chosen
+        changed, movie = self._groups.singles("movie", saving.movie)
+        if changed:
+            saving.movie = movie
+        play = play_options(self.view.model.player)
+        if play and not saving.movie.play and imgui.small_button("as it is played"):
+            saving.movie = saving.movie.replace(**play, motion="none", length=None)
+        buttons(("Save film", "As 'scuro movie' makes it", lambda: self._try(saving.film)))
+        imgui.pop_id()
+        imgui.separator_text("Scene")
+        tip = "All of it, for 'scuro view', 'render' and 'movie'"
+        buttons(("Save scene file", tip, saving.scene))
+
+    def _try(self, act: Callable[[], None]) -> None:
+        try:
+            act()
+        except ScuroError as error:
+            self._groups.message = str(error)

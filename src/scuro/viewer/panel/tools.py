@@ -1,0 +1,116 @@
+"""The parts of the panel for cutting and asking: clipping, selection, keys."""
+
+from __future__ import annotations
+
+from scuro.scene.clip import Plane
+from scuro.viewer.controls import KEYS, PROFILES
+from scuro.viewer.handles import Handles
+from scuro.viewer.measure import measures
+from scuro.viewer.overlay import scene_unit
+from scuro.viewer.panel.groups import Groups, buttons, heading, words
+from scuro.viewer.pick import sentence
+
+
+class Tools:
+    """Clipping by numbers, what is selected, what the keys do."""
+
+    def __init__(self, groups: Groups, handles: Handles) -> None:
+        self._groups = groups
+        self.view = groups.view
+        self._handles = handles
+        self.names = False
+        """Whether selected atoms carry their names."""
+
+    def clipping(self) -> None:
+        """Planes and the navigation cube."""
+        from imgui_bundle import imgui
+
+        if not heading("Clipping", open=True):
+            return
+        handles, model = self._handles, self.view.model
+        has_cube = model.document.clipping.cube is not None
+        buttons(
+            ("Plane", "A plane through the middle (key c)", handles.add_plane),
+            (
+                "Box",
+                "Show only what is in a box (key b)",
+                None if has_cube else lambda: handles.toggle_cube("none"),
+            ),
+            (
+                "Navigation cube",
+                "The rest shows as a backbone (key n)",
+                None if has_cube else lambda: handles.toggle_cube("backbone"),
+            ),
+        )
+        _, handles.shown = imgui.checkbox("handles in the picture", handles.shown)
+        for index, plane in enumerate(handles.planes):
+            self._plane(index, plane)
+        hidden = () if has_cube else ("cube", "cube_center", "cube_turn", "cube_rest")
+        changed, clipping = self._groups.group("clipping", model.document.clipping, hidden)
+        if changed:
+            model.change("clipping", clipping=clipping)
+
+    def _plane(self, index: int, plane: Plane) -> None:
+        from imgui_bundle import imgui
+
+        handles, model = self._handles, self.view.model
+        imgui.push_id(f"plane{index}")
+        chosen = handles.chosen == index
+        if imgui.selectable(f"plane {index + 1}", chosen)[0]:
+            handles.chosen = None if chosen else index
+        moved, point = imgui.drag_float3("point", list(plane.point), 0.1, format="%.2f")
+        done = imgui.is_item_deactivated_after_edit()
+        turned, normal = imgui.drag_float3("normal", list(plane.normal), 0.01)
+        if done or imgui.is_item_deactivated_after_edit():
+            model.history.end_gesture()
+        if (moved or turned) and any(normal):
+            x, y, z = point
+            u, v, w = normal
+            handles.set(index, Plane((x, y, z), (u, v, w)), f"plane{index}")
+
+        def act_on(act: str) -> None:
+            handles.chosen = index
+            getattr(handles, act)()
+
+        buttons(
+            ("Flip", "Keep the other side (key v)", lambda: act_on("flip")),
+            ("Remove", "Key Delete", lambda: act_on("remove")),
+        )
+        imgui.pop_id()
+
+    def selection(self) -> None:
+        """What is selected."""
+        from imgui_bundle import imgui
+
+        if not heading("Selection", open=True):
+            return
+        _, self.names = imgui.checkbox("names in the picture", self.names)
+        for found in self.view.selection:
+            imgui.bullet()
+            words(sentence(found))
+        if not self.view.selection:
+            imgui.text_disabled("click an atom; Shift+click adds")
+            return
+        for said in measures([p.anchor for p in self.view.selection], scene_unit(self.view)):
+            words(f"{said.kind}: {said.text}")
+        buttons(("Clear", "Key Escape", lambda: self.view.select(None)))
+
+    def keys(self) -> None:
+        """What mouse and keys do."""
+        from imgui_bundle import imgui
+
+        view = self.view
+        if heading("Mouse"):
+            names = list(PROFILES)
+            changed, index = imgui.combo("profile", names.index(view.profile), names)
+            if changed:
+                view.profile = names[index]
+            for line in PROFILES[view.profile].help:
+                words(line)
+        if not heading("Keys"):
+            return
+        for keys, what in {**KEYS, "Tab": "fold the panel"}.items():
+            imgui.text_disabled(keys)
+            imgui.indent()
+            words(what)
+            imgui.unindent()

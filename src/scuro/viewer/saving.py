@@ -1,0 +1,191 @@
+"""Pictures, films and scene files from the panel: the same as the command line makes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.errors import ScuroError, SettingsError
+from scuro.export.motion import Motion, MovieSettings
+from scuro.export.movie import Film, check_format
+from scuro.export.scene_file import SceneFile, write_scene_file
+from scuro.image import Image
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.scene.camera import Camera
+from scuro.scene.scene import Scene
+from scuro.settings import SettingsGroup, setting
+from scuro.viewer.drawing import Drawing, Drawn
+from scuro.viewer.jobs import Jobs, Work, in_thread, scaled
+from scuro.viewer.view import View
+
+LARGEST = 16384
+"""Pixels along a side of a picture from the panel."""
+Deliver = Callable[[str, Callable[[Path], None]], str]
+"""Takes a name and a function that writes the file to a path; returns a sentence for people."""
+
+
+class PictureSettings(SettingsGroup):
+    """Pictures from the panel."""
+
+    name: str = setting("scuro.png", "file name: .png, .tif, .jpg or .webp")
+    scale: float = setting(1.0, "size in relation to what is on the screen", low=0.1, high=8)
+
+
+class FilmSettings(SettingsGroup):
+    """Films from the panel."""
+
+    name: str = setting("scuro.gif", "file name: .gif, .mp4 or .webm")
+    scale: float = setting(1.0, "size in relation to what is on the screen", low=0.1, high=8)
+
+
+class Saving:
+    """What one screen saves, drawn a slice at a time beside what it shows.
+
+    Args:
+        view: Of what.
+        jobs: Does the slices.
+        deliver: Where files go.
+        elsewhere: Whether that is another machine: paths in files are then absolute.
+    """
+
+    def __init__(self, view: View, jobs: Jobs, deliver: Deliver, elsewhere: bool = False) -> None:
+        self.view = view
+        self._jobs = jobs
+        self._deliver = deliver
+        self._elsewhere = elsewhere
+        self.picture_settings = PictureSettings()
+        self.film_settings = FilmSettings()
+        self.movie = MovieSettings(length=60)
+
+    def scene(self) -> None:
+        """A scene file."""
+        document = self.view.document()
+        relative = not self._elsewhere
+        self.deliver("scene.toml", lambda path: write_scene_file(path, document, relative=relative))
+
+    def deliver(self, name: str, write: Callable[[Path], None]) -> None:
+        """A file that is written at once."""
+        try:
+            self._jobs.message = self._deliver(name, write)
+        except ScuroError as error:
+            self._jobs.message = str(error)
+
+    def picture(self) -> None:
+        """The full picture of what is on the screen."""
+        chosen = self.picture_settings
+        document = self._sized(chosen.scale)
+        self._jobs.add(chosen.name, self._picture(document, self.view.camera, chosen))
+
+    def film(self) -> None:
+        """A film that begins with what is on the screen."""
+        document = self._sized(self.film_settings.scale)
+        self._jobs.add(self.film_settings.name, self._film(document, self.movie))
+
+    def _sized(self, scale: float) -> SceneFile:
+        document = self.view.document()
+        width, height = (max(1, round(s * scale)) for s in self.view.size)
+        if max(width, height) > LARGEST:
+            raise SettingsError(f"a side has at most {LARGEST} pixels")
+        return replace(document, settings=document.settings.replace(size=(width, height)))
+
+    def _picture(self, document: SceneFile, camera: Camera, chosen: PictureSettings) -> Work:
+        from scuro.export.image import format_writer
+
+        format_writer(_file_name(chosen.name))
+        if chosen.name.lower().endswith(".exr"):
+            raise SettingsError("OpenEXR pictures come from 'scuro render': save the scene file")
+        model, renderer = self.view.model, self.view.renderer.sibling()
+        state = model.history.present
+
+        def dressed() -> Scene:
+            if model.history.present is not state:
+                raise SettingsError("the scene was changed meanwhile: save it again")
+            return model.dressed(camera)
+
+        pixels = yield from _pixels(renderer, dressed, camera, document.settings)
+        image = Image(pixels, None, document.settings)
+
+        def write(path: Path) -> None:
+            folder = None if self._elsewhere else path.parent
+            image.save(path, settings=document.as_dict(folder))
+
+        return self._deliver(_file_name(chosen.name), write)
+
+    def _film(self, document: SceneFile, movie: MovieSettings) -> Work:
+        name = _file_name(self.film_settings.name)
+        check_format(name)
+        if not Path(name).suffix:
+            raise SettingsError("a film's name ends in .gif, .mp4 or .webm")
+        # a scene of its own: what is on the screen may change meanwhile
+        motion = yield from in_thread(lambda: Motion(document, movie))
+        renderer = Renderer(gpu=self.view.renderer.gpu)
+        with TemporaryDirectory(prefix="scuro-") as folder:
+            film = Film(Path(folder) / name, motion, {})
+            for number in range(motion.length):
+                moment = motion.at(number)
+                frame = _pixels(renderer, lambda m=moment: m.scene, moment.camera, moment.settings)  # type: ignore[misc]
+                film.keep(number, (yield from _shifted(frame, number, motion.length)))
+            yield from scaled(in_thread(film.join), 1.0, 1.0)
+            made = film.path.read_bytes()
+        return self._deliver(name, lambda path: _write(path, made))
+
+
+def _shifted(
+    frame: Generator[float, None, NDArray], number: int, length: int
+) -> Generator[float, None, NDArray]:
+    """A frame's share of its film."""
+    with closing(frame):
+        while True:
+            try:
+                share = next(frame)
+            except StopIteration as end:
+                pixels: NDArray = end.value
+                return pixels
+            yield (number + share) / length
+
+
+def _pixels(
+    renderer: Renderer, scene: Callable[[], Scene], camera: Camera, settings: Settings
+) -> Generator[float, None, NDArray[np.uint8]]:
+    """Draw a full picture in slices: the pixels (h, w, 4) that :meth:`Renderer.render` makes."""
+    import time
+
+    from scuro.viewer.refine import steps
+
+    drawing = Drawing(renderer, time.perf_counter)
+    for share in renderer.prepare(scene(), camera, settings):
+        yield share / 2
+        scene()
+    path = settings.renderer == "path"
+    for step in steps(settings) if path else [None]:
+        for made in drawing.draw(scene(), camera, step.settings if step else settings, not path):
+            if isinstance(made, Drawn):
+                drawn = made
+                yield step.share if step else 1.0
+            else:
+                yield made
+            scene()
+    pixels = renderer.gpu.read_texture(drawn.resources["picture"])
+    return renderer.reservoirs.legends(pixels, scene())
+
+
+def _file_name(name: str) -> str:
+    """A name without a folder: where files go is not for pages to choose."""
+    bare = Path(name.replace("\\", "/")).name
+    if not bare or bare.startswith("."):
+        raise SettingsError(f"'{name}' is no name of a file")
+    return bare
+
+
+def _write(path: Path, content: bytes) -> None:
+    from scuro.export.files import replacing
+
+    with replacing(path) as file:
+        file.write(content)
