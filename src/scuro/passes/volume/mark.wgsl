@@ -25,7 +25,7 @@ fn mark(brick: vec3u) {
 fn light_at(point: Point) -> vec3f {
     if (point.weight >= LEAST_WEIGHT) {
         // neighboring rays, which are not cast, may read a texel farther than this one
-        let at = point.uvw * vec3f(bricks.size) - 0.5;
+        let at = light_place(point, vec3f(bricks.size)) * vec3f(bricks.size) - 0.5;
         let last = vec3f(bricks.size) - 1.0;
         let low = vec3u(clamp(at - 0.75, vec3f(0.0), last)) / BRICK;
         let high = vec3u(clamp(at + 1.75, vec3f(0.0), last)) / BRICK;

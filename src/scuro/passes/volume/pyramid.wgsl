@@ -60,7 +60,7 @@ fn voxel_opacity_at(at: vec3u) -> f32 {
     }
     if (HAS_CUTS) {
         let p = (volume.scene_from_texture * vec4f(uvw, 1.0)).xyz;
-        opacity = select(opacity, 0.0, is_cut(p));
+        opacity *= kept_share(p);
     }
     return opacity;
 }

@@ -15,7 +15,8 @@ override ILLUMINATED: bool = false;
 fn light_at(point: Point) -> vec3f {
     var light = vec4f(1.0);
     if (ILLUMINATED) {
-        light = textureSampleLevel(illuminated, trilinear, point.uvw, 0.0);
+        let at = light_place(point, vec3f(textureDimensions(illuminated)));
+        light = textureSampleLevel(illuminated, trilinear, at, 0.0);
     }
     return lit(point, light.x, light.yzw);
 }

@@ -56,3 +56,10 @@ fn surface_limit(pixel: vec2u) -> f32 {
     let depth = textureLoad(surface, vec2u(at), 0).w;
     return select(ray_distance(vec2f(pixel) + 0.5, depth), NOTHING, depth <= 0.0);
 }
+
+// Where light precomputed in so many texels is read for a sample: on a cut face one texel before it,
+// or texels inside the matter would show in it as stripes.
+fn light_place(point: Point, texels: vec3f) -> vec3f {
+    let outward = texture_direction(point.cut_normal);
+    return point.uvw + outward / max(length(outward * texels), 1e-12);
+}

@@ -17,7 +17,8 @@ fn fill(@builtin(global_invocation_id) id: vec3u) {
     }
     let extinction = color_at(table_index(textureLoad(samples, id, 0).r)).w;
     let p = (volume.scene_from_texture * vec4f((vec3f(id) + 0.5) / volume.size, 1.0)).xyz;
-    table[(id.z * n.y + id.y) * n.x + id.x] = select(u32(min(extinction, 4.0) * 1024.0 + 0.5), 0u, is_cut(p));
+    table[(id.z * n.y + id.y) * n.x + id.x] =
+        u32(min(extinction, 4.0) * kept_share(p) * 1024.0 + 0.5);
 }
 
 // One thread a line of voxels.

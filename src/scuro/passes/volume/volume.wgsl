@@ -87,13 +87,14 @@ fn gradient_at(uvw: vec3f) -> vec3f {
     return (transpose(volume.texture_from_scene) * vec4f(g, 0.0)).xyz;
 }
 
-fn is_cut(p: vec3f) -> bool {
+// Share of a voxel about a point that all cuts keep: 0 or 1 would show oblique cuts as stairs.
+fn kept_share(p: vec3f) -> f32 {
+    var share = 1.0;
     for (var i = 0u; i < volume.cut_count; i++) {
-        if (dot(volume.cuts[i].xyz, p) + volume.cuts[i].w < 0.0) {
-            return true;
-        }
+        let height = dot(volume.cuts[i].xyz, p) + volume.cuts[i].w;
+        share *= clamp(height / volume.voxel + 0.5, 0.0, 1.0);
     }
-    return false;
+    return share;
 }
 
 struct Crossing {
