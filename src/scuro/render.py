@@ -21,11 +21,13 @@ from scuro.passes.occlusion.occlusion import draw_occlusion, prepare_occlusion
 from scuro.passes.part import Part, split
 from scuro.passes.part import bands as split_bands
 from scuro.passes.post.antialias import FILTER_RADIUS, filter_down
+from scuro.passes.post.attention import draw_attention
 from scuro.passes.post.borders import borders_reach, draw_borders
 from scuro.passes.post.focus import draw_focus, focus_reach
 from scuro.passes.post.fog import draw_fog
 from scuro.passes.post.fxaa import draw_fxaa
 from scuro.passes.post.halos import draw_halos, halos_reach
+from scuro.passes.post.naming import draw_labels
 from scuro.passes.post.stereo import eye_camera, eye_size, join_eyes, keep_left_eye
 from scuro.passes.post.toon import draw_toon
 from scuro.passes.reservoir.frame import Reservoirs
@@ -157,7 +159,8 @@ class Renderer:
             draw_shadows(frame)
             shade(frame)
         else:
-            shade_semantic(frame, scene.hierarchy())
+            shade_semantic(frame, scene.hierarchy(settings.semantic.parts))
+        draw_attention(frame, scene)
         self._volumes.draw(frame, scene)
         self.reservoirs.draw(frame, scene)
         draw_toon(frame)
@@ -275,7 +278,10 @@ class Renderer:
             pixels[part.rows, part.columns] = drawn[part.inside]
             count += 1
         pixels = self.reservoirs.legends(pixels, scene)
-        return Image(pixels, frame if count == 1 else None, settings)
+        whole = frame if count == 1 else None
+        if settings.labels.show:
+            pixels = draw_labels(pixels, whole, scene)
+        return Image(pixels, whole, settings)
 
     def fitted(self, scene: Scene, settings: Settings, **options: Any) -> Camera:
         """A camera that sees the whole scene; ``options`` are those of :meth:`Camera.fitted`."""

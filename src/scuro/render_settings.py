@@ -5,10 +5,12 @@ from __future__ import annotations
 from scuro.passes.compose.lighting import LightingSettings
 from scuro.passes.occlusion.occlusion import OcclusionSettings
 from scuro.passes.post.antialias import AntialiasSettings
+from scuro.passes.post.attention import AttentionSettings
 from scuro.passes.post.borders import BorderSettings
 from scuro.passes.post.focus import FocusSettings
 from scuro.passes.post.fog import FogSettings
 from scuro.passes.post.halos import HaloSettings
+from scuro.passes.post.naming import LabelSettings
 from scuro.passes.post.stereo import StereoSettings
 from scuro.passes.post.toon import ToonSettings
 from scuro.passes.reservoir.settings import StrategySettings
@@ -62,6 +64,8 @@ class Settings(SettingsGroup):
     reservoir: ReservoirSettings = ReservoirSettings()
     strategy: StrategySettings = StrategySettings()
     semantic: SemanticSettings = SemanticSettings()
+    attention: AttentionSettings = AttentionSettings()
+    labels: LabelSettings = LabelSettings()
     toon: ToonSettings = ToonSettings()
     fog: FogSettings = FogSettings()
     borders: BorderSettings = BorderSettings()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scuro.load import load
-from scuro.viewer.labels import placed
+from scuro.style.labels import placed
 from scuro.viewer.measure import angle, dihedral, distance, measures
 from scuro.viewer.overlay import nice_length
 from scuro.viewer.panel.sequence import sequence

@@ -12,7 +12,7 @@ from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.geometry import Body, Geometry, Material
-from scuro.scene.regions import Divided, hierarchy_of, level_at
+from scuro.scene.regions import Divided, Division, hierarchy_of, level_at
 from scuro.scene.scene import Scene
 
 SIZE = (96, 72)
@@ -294,7 +294,7 @@ def body_at(*path: str, instances: int = 1) -> Body:
 
 
 def test_hierarchy_levels_refine_and_skip_what_divides_nothing():
-    chains = np.array([0, 1], np.int32)
+    chains = Division("chain", np.array([0, 1], np.int32))
     found = hierarchy_of(
         [
             Divided(body_at("root", "plasma", "albumin", instances=3), (chains,)),
@@ -304,14 +304,16 @@ def test_hierarchy_levels_refine_and_skip_what_divides_nothing():
         ]
     )
     assert [level.name for level in found.levels] == [
-        "compartment 1", "compartment 2", "ingredient", "instance", "part 1",
+        "compartment 1", "compartment 2", "ingredient", "instance", "chain",
     ]  # fmt: skip
     assert found.labels.tolist() == [[0, 1, 1, 1], [0, 1, 2, 2], [0, 1, 2, 3]]
 
 
 def test_a_single_molecule_is_divided_by_its_chains():
-    found = hierarchy_of([Divided(body_at("mol"), (np.array([0, 1], np.int32),))])
-    assert [level.name for level in found.levels] == ["part 1"]
+    found = hierarchy_of(
+        [Divided(body_at("mol"), (Division("chain", np.array([0, 1], np.int32)),))]
+    )
+    assert [level.name for level in found.levels] == ["chain"]
 
 
 def test_traced_rays_pass_through_their_own_region(renderer):
@@ -334,14 +336,14 @@ def test_traced_parts_of_one_molecule_shade_each_other():
 
     class Item:
         def __init__(self, *chains: int) -> None:
-            self.groups = (np.array(chains, np.int32),)
+            self.chains = Division("chain", np.array(chains, np.int32))
             self.body = Body(geometry, name="pair", path=("pair",), material=MATTE)
 
         def bodies(self):
             return [self.body]
 
-        def divided(self):
-            return [Divided(self.body, self.groups)]
+        def divided(self, parts):
+            return [Divided(self.body, (self.chains,))]
 
     renderer = Renderer()
     settings = settings_of(mode="traced", rays=32, thresholds=(10.0,), far_radius=0.3)

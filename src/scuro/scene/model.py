@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from scuro.scene.geometry import Body, Geometry, Material, rotation_matrices
 from scuro.scene.lod import Level, levels_of_detail
-from scuro.scene.regions import Divided
+from scuro.scene.regions import Divided, Division
 
 DEFAULT_COLOR = (180, 180, 180)
 """sRGB of ingredients nobody has coloured."""
@@ -274,7 +274,8 @@ class MesoscaleModel:
                 geometry, middle = _geometry(part.structure, ingredient.color)
                 positions = part.positions + rotation_matrices(part.rotations) @ middle
                 body = Body(geometry, np.asarray(part.rotations, np.float32), positions, **common)
-                made.append(Divided(body, (part.structure.chain,), painted=True))
+                chains = Division("chain", part.structure.chain, part.structure.chain_names)
+                made.append(Divided(body, (chains,), painted=True))
             for number, curve in enumerate(ingredient.curves):
                 for start in range(0, max(len(curve) - 1, 1), PIECE):
                     piece = curve[start : start + PIECE + 1]

@@ -20,12 +20,24 @@ BY_OBJECT, BY_INSTANCE, BY_GROUP = range(3)
 
 
 @dataclass(frozen=True, eq=False)
+class Division:
+    """One way of dividing the elements (atoms) of a body."""
+
+    name: str
+    """What its groups are: chains, residues …"""
+    group: NDArray[np.int32]
+    """(elements,) the group of each element id."""
+    names: tuple[str, ...] = ()
+    """What each group is called."""
+
+
+@dataclass(frozen=True, eq=False)
 class Divided:
     """A body and how it is divided further than into instances."""
 
     body: Body
-    groups: tuple[NDArray[np.int32], ...] = ()
-    """Ever finer divisions: each an array that gives an element id (atom) its group."""
+    divisions: tuple[Division, ...] = ()
+    """Coarse to fine."""
     fibre: bool = False
     """Whether element ids number separate pieces (curves): they are its instances."""
     painted: bool = False
@@ -60,11 +72,15 @@ class Hierarchy:
     """All groups of all bodies, one after the other."""
     offsets: NDArray[np.uint32]
     """(divisions, objects): where a body's groups begin in ``groups``; all ones for none."""
+    group_names: tuple[tuple[tuple[str, ...], ...], ...]
+    """For each division and object what its groups are called, empty where nothing is known."""
     fibre: NDArray[np.uint32]
     """(objects,) where element ids number the instances, 1 + the number of the object's path; 0
     elsewhere."""
     paths: tuple[tuple[str, ...], ...]
-    """For each object its place in the tree, empty if not coloured by it; none if none is."""
+    """For each object its place in the tree, root first, its own name last."""
+    painted: NDArray[np.bool_]
+    """(objects,) whether it is coloured by that place."""
 
 
 NO_GROUPS = np.uint32(0xFFFFFFFF)
@@ -96,31 +112,34 @@ def hierarchy_of(divided: Sequence[Divided]) -> Hierarchy:
         names.append(tuple("/".join(c[1:]) or c[0] for c in found))
     if any(len(d.body.positions) > 1 or d.fibre for d in divided):
         levels.append(Level("instance", BY_INSTANCE, depth=deepest - 1))
-    divisions = max((len(d.groups) for d in divided), default=0)
+    divisions = max((len(d.divisions) for d in divided), default=0)
     offsets = np.full((max(divisions, 1), max(len(divided), 1)), NO_GROUPS, np.uint32)
     groups: list[NDArray[np.uint32]] = []
     total = 0
     for k in range(divisions):
-        levels.append(Level(f"part {k + 1}", BY_GROUP, k, deepest - 1))
-        for number, d in enumerate(divided):
-            if k < len(d.groups):
-                offsets[k, number] = total
-                groups.append(d.groups[k].astype(np.uint32))
-                total += len(d.groups[k])
+        deeper = [(n, d.divisions[k]) for n, d in enumerate(divided) if k < len(d.divisions)]
+        levels.append(Level(deeper[0][1].name, BY_GROUP, k, deepest - 1))
+        for number, division in deeper:
+            offsets[k, number] = total
+            groups.append(division.group.astype(np.uint32))
+            total += len(division.group)
     if not levels:
         levels.append(Level("object", BY_INSTANCE))
-    table = np.array(labels or [np.zeros(max(len(divided), 1))], np.uint32)
+    labels = labels or [np.zeros(max(len(divided), 1), np.uint32)]
     return Hierarchy(
-        tuple(levels),
-        table,
-        np.stack([_runs(row) for row in table]),
-        tuple(names),
-        np.concatenate([*groups, np.zeros(1, np.uint32)]),
-        offsets,
-        np.array(fibres or [0], np.uint32),
-        tuple(p if d.painted else () for p, d in zip(paths, divided, strict=True))
-        if any(d.painted for d in divided)
-        else (),
+        levels=tuple(levels),
+        labels=np.array(labels, np.uint32),
+        ranges=np.stack([_runs(row) for row in labels]),
+        names=tuple(names),
+        groups=np.concatenate([*groups, np.zeros(1, np.uint32)]),
+        offsets=offsets,
+        group_names=tuple(
+            tuple(d.divisions[k].names if k < len(d.divisions) else () for d in divided)
+            for k in range(divisions)
+        ),
+        fibre=np.array(fibres or [0], np.uint32),
+        paths=tuple(paths),
+        painted=np.array([d.painted for d in divided] or [False]),
     )
 
 

@@ -57,11 +57,12 @@ class MoleculeItem:
         self._bodies = kept
         return found
 
-    def divided(self) -> list[Divided]:
-        """The bodies with their division into chains and residues."""
-        molecule = self.molecule
-        groups = (molecule.chain, molecule.residue)
-        return [Divided(body, groups) for body in self.bodies()]
+    def divided(self, parts: str = "") -> list[Divided]:
+        """The bodies with their division into a tree of parts, chains and residues."""
+        from scuro.scene.selection_tree import divisions, parse_tree
+
+        found = tuple(divisions(self.molecule, parse_tree(parts)))
+        return [Divided(body, found) for body in self.bodies()]
 
     def _build(self, shown: Shown) -> list[Body]:
         from scuro.style.color import atom_colors
@@ -118,8 +119,8 @@ class MesoscaleItem:
         """One body a structure and ingredient; the same objects every time."""
         return list(self.colored.bodies())
 
-    def divided(self) -> tuple[Divided, ...]:
-        """The bodies with their division into chains."""
+    def divided(self, parts: str = "") -> tuple[Divided, ...]:
+        """The bodies with their division into chains; ``parts`` are those of molecules."""
         return self.colored.divided
 
 
@@ -147,7 +148,7 @@ class Scene:
         self._left: dict[tuple[Body, Clip], Body] = {}
         self.extra_bodies: list[Body] = []
         """Bodies that belong to no item (a probe, markers)."""
-        self._hierarchy: tuple[tuple[Body, ...], Hierarchy] | None = None
+        self._hierarchy: tuple[tuple[Any, ...], Hierarchy] | None = None
 
     def add(self, item: Any) -> Scene:
         """Add a molecule, a cell-scale model, a volume or another loaded item."""
@@ -246,20 +247,29 @@ class Scene:
             self._left[key] = drop_outside(body, self.clip)
         return self._left[key]
 
-    def hierarchy(self) -> Hierarchy:
-        """The levels of everything in the scene; the same object while the bodies are."""
+    def hierarchy(self, parts: str = "") -> Hierarchy:
+        """The levels of everything in the scene; the same object while the bodies are.
+
+        Args:
+            parts: How molecules are divided above their chains: see ``scene/selection_tree.py``.
+
+        Raises:
+            SettingsError: The parts are not understood.
+        """
+        bodies = (parts, *self.bodies())
+        if self._hierarchy is not None and self._hierarchy[0] == bodies:
+            return self._hierarchy[1]
         found: list[Divided] = []
         for item in self.items:
             if hasattr(item, "divided"):
-                found += item.divided()
+                found += item.divided(parts)
             elif hasattr(item, "bodies"):
                 found += [Divided(body) for body in item.bodies()]
         found += [Divided(body) for body in self.extra_bodies]
         found = [replace(d, body=self._kept(d.body)) for d in found]
-        key = tuple(d.body for d in found)
-        if self._hierarchy is None or self._hierarchy[0] != key:
-            self._hierarchy = (key, hierarchy_of(found))
-        return self._hierarchy[1]
+        made = hierarchy_of(found)
+        self._hierarchy = bodies, made
+        return made
 
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) world box around everything."""

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from scuro.style.labels import Label, placed
 from scuro.viewer import navigate
 from scuro.viewer.cube import EDGES
 from scuro.viewer.handles import MOVE, PUSH, TILT, Handles
-from scuro.viewer.labels import Label, placed
 from scuro.viewer.measure import Measure, measures
 from scuro.viewer.pick import atom_name
 from scuro.viewer.theme import ACCENT, INK, PAPER

@@ -36,7 +36,7 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     here = place(frame, hierarchy)
     frame.resources["levels"] = levels_uniform(hierarchy, here)
     frame.resources["region_table"] = region_table(frame.gpu, hierarchy)
-    if settings.color and hierarchy.paths:
+    if settings.color and hierarchy.painted.any():
         _recolor(frame, hierarchy, here)
     frame.target("regions", "rg32uint", clear=_EMPTY)
     frame.compute_tiles("passes/semantic/regions.wgsl")
@@ -74,7 +74,7 @@ def _recolor(frame: Frame, hierarchy: Hierarchy, here: Place) -> None:
     now, then = (levels[min(here.level + k, len(levels) - 1)].depth for k in (0, 1))
     depth = now + here.blend * (then - now)
     colors = np.zeros((len(hierarchy.paths), 4), np.uint8)
-    painted = [i for i, path in enumerate(hierarchy.paths) if path]
+    painted = np.flatnonzero(hierarchy.painted)
     colors[painted, :3] = hierarchy_colors([hierarchy.paths[i] for i in painted], depth)
     colors[painted, 3] = 255
     albedo = frame.resources["albedo"]

@@ -41,6 +41,11 @@ class SemanticSettings(SettingsGroup):
         "measure the camera's distance to the scene's centre, or to its own target",
         choices=("scene", "target"),
     )
+    parts: str = setting(
+        "",
+        "parts of molecules above their chains, as a tree of selections: "
+        "NAME=SELECTION; NAME/INNER=SELECTION; …",
+    )
     samples: int = setting(16, "directions a pixel", low=1, high=256)
     rays: int = setting(4, "rays a pixel, in traced mode", low=1, high=256)
     near_radius: float = setting(

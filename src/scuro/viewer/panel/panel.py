@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from scuro.style.labels import Label
 from scuro.viewer.handles import Handles
 from scuro.viewer.jobs import Jobs
-from scuro.viewer.labels import Label
 from scuro.viewer.overlay import selection_labels
 from scuro.viewer.panel.files import Files
 from scuro.viewer.panel.groups import Groups, buttons, words

@@ -22,7 +22,12 @@ class Label:
 
 
 def placed(
-    places: NDArray, extents: Sequence[tuple[float, float]], size: tuple[float, float]
+    places: NDArray,
+    extents: Sequence[tuple[float, float]],
+    size: tuple[float, float],
+    *,
+    order: NDArray | None = None,
+    centered: bool = False,
 ) -> list[tuple[int, tuple[float, float]]]:
     """Corners for labels, the nearest first; those for which there is no room are left out.
 
@@ -32,18 +37,21 @@ def placed(
         places: (n, 3) pixel x and y, and depth.
         extents: Width and height of each label.
         size: Of the picture.
+        order: Indices in the order in which labels take their room, instead of by depth.
+        centered: Whether a label is tried on its place before all.
 
     Returns:
         Index of the label and its upper left corner.
     """
     taken: list[tuple[float, float, float, float]] = []
     found = []
-    for index in np.argsort(places[:, 2], kind="stable"):
+    for index in np.argsort(places[:, 2], kind="stable") if order is None else order:
         x, y, depth = places[index]
         if not depth > 0:
             continue
         w, h = extents[index]
         for left, top in (
+            *([(x - w / 2, y - h / 2)] if centered else []),
             (x + _OFFSET, y - h / 2),
             (x - _OFFSET - w, y - h / 2),
             (x - w / 2, y - _OFFSET - h),

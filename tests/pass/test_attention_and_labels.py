@@ -1,0 +1,137 @@
+"""Names of the regions in view, and all but a chosen subtree stepping back."""
+
+import numpy as np
+import pytest
+
+from scuro.errors import SettingsError
+from scuro.load import load
+from scuro.passes.post.attention import chosen_table
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.scene.camera import Camera
+from scuro.scene.model import Ingredient, MesoscaleModel, Part, Structure
+from scuro.scene.scene import Scene
+from scuro.style.region_labels import region_labels, region_numbers
+
+SIZE = (160, 120)
+CAMERA = Camera((0, 0, 200), (0, 0, 0), (0, 1, 0), 30)
+
+
+@pytest.fixture(scope="module")
+def renderer() -> Renderer:
+    return Renderer()
+
+
+@pytest.fixture(scope="module")
+def cell() -> Scene:
+    """A large ball left, a small one right of it in the same compartment, one of another above."""
+
+    def ingredient(path: str, radius: float, *centers) -> Ingredient:
+        ball = Structure.of_spheres(path, np.array([[0, 0, 0, radius]]))
+        turns = np.tile(np.array([0, 0, 0, 1], np.float32), (len(centers), 1))
+        return Ingredient(
+            ("cell", *path.split("/")), (Part(ball, turns, np.array(centers, float)),)
+        )
+
+    return Scene().add(
+        MesoscaleModel(
+            "cell",
+            (
+                ingredient("virus_0_1/surface/env_1", 20, (-25, 0, 0)),
+                ingredient("virus_0_1/surface/ma", 8, (25, 0, 0), (25, -25, 0)),
+                ingredient("plasma/igg", 12, (10, 32, 0)),
+            ),
+        )
+    )
+
+
+def settings_at(level: int, **changes) -> Settings:
+    """The camera, 200 away, stands exactly on a level."""
+    steps = tuple(200.0 * 2.0 ** (level - k) for k in range(4))
+    return Settings(size=SIZE).replace(
+        semantic__mode="screen",
+        semantic__thresholds=steps,
+        semantic__distance_to="target",
+        **changes,
+    )
+
+
+def labels_of(renderer: Renderer, scene: Scene, level: int, blend: float = 0.0):
+    ids = renderer.render(scene, CAMERA, settings_at(level)).buffer("ids")
+    return region_labels(ids, scene.hierarchy(), level, blend)
+
+
+def test_names_follow_the_level_and_sit_in_their_regions(renderer, cell):
+    names = [level.name for level in cell.hierarchy().levels]
+    assert names == ["compartment 1", "ingredient", "instance", "chain"]
+    far = labels_of(renderer, cell, 0)
+    assert [label.text for label in far] == ["virus", "plasma"], "the largest first"
+    near = labels_of(renderer, cell, 1)
+    assert {label.text for label in near} == {"env", "ma", "igg"}
+    big = next(label for label in near if label.text == "env")
+    # the middle of the left ball: 25 of 107 scene units across 160 pixels left of the middle
+    scale = SIZE[1] / (2 * 200 * np.tan(np.radians(15)))
+    assert (big.x, big.y) == pytest.approx((80 - 25 * scale, 60), abs=2.5)
+    assert len(labels_of(renderer, cell, 2)) == 3, "one of two instances stands for both"
+
+
+def test_names_go_over_from_level_to_level(renderer, cell):
+    def shown(blend: float) -> dict[str, float]:
+        return {label.text: label.opacity for label in labels_of(renderer, cell, 0, blend)}
+
+    assert shown(0.2) == {"virus": 1.0, "plasma": 1.0}
+    assert shown(0.8) == {"env": 1.0, "ma": 1.0, "igg": 1.0}
+    half = shown(0.5)
+    assert half.keys() == {"virus", "plasma", "env", "ma", "igg"}
+    assert list(half.values()) == pytest.approx([0.5] * 5)
+
+
+def test_region_numbers_divide_as_the_shader_does(renderer, cell):
+    for level in range(4):
+        image = renderer.render(cell, CAMERA, settings_at(level))
+        ours = region_numbers(image.buffer("ids"), cell.hierarchy(), cell.hierarchy().levels[level])
+        pairs = np.stack([ours.ravel(), image.buffer("regions.x").ravel().astype(np.int64)], 1)
+        both = np.unique(pairs, axis=0)
+        assert len(both) == len(np.unique(both[:, 0])) == len(np.unique(both[:, 1])) > 2
+
+
+def test_labels_change_only_pixels_of_words(renderer, cell):
+    bare = np.asarray(renderer.render(cell, CAMERA, settings_at(1)))
+    named = np.asarray(renderer.render(cell, CAMERA, settings_at(1, labels__show=True)))
+    one = settings_at(1, labels__show=True, labels__most=1)
+    single = np.asarray(renderer.render(cell, CAMERA, one))
+    changed = [(picture != bare).any(axis=-1).mean() for picture in (named, single)]
+    assert 0.2 > changed[0] > 1.5 * changed[1] > 0
+    with pytest.raises(SettingsError, match="without --labels"):
+        large = settings_at(1, labels__show=True, stereo__mode="side-by-side")
+        renderer.render(cell, CAMERA, large)
+
+
+def test_all_but_the_chosen_steps_back(renderer, cell):
+    def linear(**attention):
+        changes = {f"attention__{k}": v for k, v in attention.items()}
+        image = renderer.render(cell, CAMERA, settings_at(1, antialias__method="none", **changes))
+        return image.buffer("object"), image.buffer("linear")[..., :3]
+
+    things, plain = linear()
+    chosen, others = things == 1, (things >= 0) & (things != 1)
+    for how in ("light", "desaturate", "fade"):
+        _, found = linear(subtree="virus*/surface/ma", how=how, strength=0.5)
+        np.testing.assert_array_equal(found[chosen], plain[chosen])
+        rest = {
+            "light": np.zeros_like(plain),
+            "desaturate": np.repeat(plain @ [[0.2126], [0.7152], [0.0722]], 3, axis=2),
+            "fade": np.ones_like(plain),  # the background is white
+        }[how]
+        np.testing.assert_allclose(found[others], (plain + rest)[others] / 2, atol=3e-3)
+
+
+def test_a_subtree_is_a_node_a_pattern_or_a_selection(cell):
+    assert chosen_table(cell, "virus_0_1").tolist() == [1, 1, 0]
+    assert chosen_table(cell, "PLASMA/igg").tolist() == [0, 0, 1]
+    assert chosen_table(cell, "surface/*").tolist() == [1, 1, 0]
+    with pytest.raises(SettingsError, match=r"known: .*plasma"):
+        chosen_table(cell, "plasm/igg")
+    molecule = Scene().add(load("sample:1hpv"))
+    table = chosen_table(molecule, "chain A")
+    np.testing.assert_array_equal(table[table[0] :], molecule.molecules[0].molecule.chain == 0)
