@@ -83,7 +83,7 @@ def test_compare_holds_the_deferred_picture_to_the_path_tracer(tmp_path):
     small = ["--size", "64x48", "--frames", "1", "-o", str(folder)]
     assert run(["compare", "sample:1hpv", *options, *reference, *small]) == 0
     truth, deferred = json.loads((folder / "compare.json").read_text())["techniques"]
-    assert truth["settings"]["path.samples"] == 4 and truth["milliseconds"] > 20
+    assert truth["settings"]["path.samples"] == 4 and truth["milliseconds"] > 0
     assert deferred["object"]["ssim"] > 0.5
 
 
