@@ -34,7 +34,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         textureStore(calmed, here.pixel, vec4f(here.normal, here.depth));
         return;
     }
-    let region = labels_at(here.pixel).x;
+    let region = labelled_at(here.pixel).labels.x;
     let reach = clamp(i32(ceil(2.0 * sigma)), 1, MOST);
     var sum = here.normal;
     for (var i = -reach; i <= reach; i += 1) {
@@ -43,7 +43,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
             continue;
         }
         let there = textureLoad(surface, at, 0);
-        if (there.w <= 0.0 || labels_at(vec2u(at)).x != region
+        if (there.w <= 0.0 || labelled_at(vec2u(at)).labels.x != region
             || abs(there.w - here.depth) > calm.depth_limit) {
             continue;
         }

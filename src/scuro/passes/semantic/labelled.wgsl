@@ -2,11 +2,20 @@
 
 //#include "region.wgsl"
 
-// at level t, at t + 1
+// at level t, at t + 1, the bits of the depth, the normal: what a probe asks, in one fetch
 @group(2) @binding(1) var regions: texture_2d<u32>;
 
-fn labels_at(pixel: vec2u) -> vec2u {
-    return textureLoad(regions, pixel, 0).xy;
+struct Labelled {
+    labels: vec2u,
+    // 0 where there is nothing
+    depth: f32,
+    // octahedral
+    normal: u32,
+}
+
+fn labelled_at(pixel: vec2u) -> Labelled {
+    let texel = textureLoad(regions, pixel, 0);
+    return Labelled(texel.xy, bitcast<f32>(texel.z), texel.w);
 }
 
 // From 0 (the same region at both levels) to 1 (different ones), between the levels by the camera.

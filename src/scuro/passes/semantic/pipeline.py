@@ -38,7 +38,7 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     frame.resources["region_table"] = region_table(frame.gpu, hierarchy)
     if settings.color and hierarchy.painted.any():
         _recolor(frame, hierarchy, here)
-    frame.target("regions", "rg32uint", clear=_EMPTY)
+    frame.target("regions", "rgba32uint", clear=_EMPTY)
     frame.compute_tiles("passes/semantic/regions.wgsl")
     calm = {"surface": _calm(frame, settings)}
     frame.target("diffuse", "rgba16float", clear=_EMPTY)
@@ -197,7 +197,7 @@ def _blurred(frame: Frame, calm: dict[str, Any], name: str, amount: int) -> Any:
     for step, target in (((1, 0), f"{name}_x"), ((0, 1), f"{name}_blurred")):
         blur = {
             "step": step,
-            "amount": amount * frame.scale,
+            "amount": round(amount * frame.scale * frame.settings.px),
             "depth_limit": _depth_limit(frame, settings),
             "normal_limit": settings.blur_normal,
         }

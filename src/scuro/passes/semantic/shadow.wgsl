@@ -28,27 +28,34 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         return;
     }
     let arriving = incoming_light(lights.list[0], seen_position(here));
-    // in view space, where a point's pixel and depth cost least
     let start = view_position(vec2f(here.pixel) + 0.5, here.depth);
     let way = min(shadow.reach, arriving.distance)
         * (view.view_from_scene * vec4f(arriving.direction, 0.0)).xyz;
+    // pixels and depth go evenly along the ray in homogeneous coordinates
+    let first = pixel_from_view(start);
+    let scale = vec2f(0.5, -0.5) * view.size / view.half_extent;
+    let perspective = view.orthographic == 0u;
+    let weight = select(1.0, here.depth, perspective);
+    let middle = 0.5 * view.size - view.origin - view.jitter;
+    let origin = vec3f((first.xy - middle) * weight, here.depth);
+    let along = vec3f(scale * way.xy, -way.z);
     let skin = pixel_width(here.depth);
-    let own = labels_at(here.pixel);
+    let own = labelled_at(here.pixel).labels;
     let noise = pixel_noise(here.pixel + vec2u(view.origin), view.seed + 1u);
     let offset = fract(noise.x + f32(view.frame) * 0.618034);
     // at level t and at t + 1
     var blocked = vec2f(0.0);
     for (var i = 0u; i < shadow.steps; i += 1u) {
         let share = (f32(i) + offset) / f32(shadow.steps);
-        let projected = pixel_from_view(start + share * share * way);
-        let at = vec2i(floor(projected.xy));
-        if (projected.z <= 0.0 || any(at < vec2i(0)) || any(at >= vec2i(here.size))) {
+        let point = origin + share * share * along;
+        let at = vec2i(floor(point.xy / select(1.0, point.z, perspective) + middle));
+        if (point.z <= 0.0 || any(at < vec2i(0)) || any(at >= vec2i(here.size))) {
             break;
         }
-        let found = textureLoad(surface, at, 0).w;
-        let above = projected.z - found;
-        if (found > 0.0 && above > skin && above < shadow.thickness) {
-            blocked = max(blocked, vec2f(labels_at(vec2u(at)) != own));
+        let found = labelled_at(vec2u(at));
+        let above = point.z - found.depth;
+        if (found.depth > 0.0 && above > skin && above < shadow.thickness) {
+            blocked = max(blocked, vec2f(found.labels != own));
             if (all(blocked > vec2f(0.0))) {
                 break;
             }

@@ -8,6 +8,7 @@
 //#include "seen.wgsl"
 //#include "labelled.wgsl"
 //#include "gather.wgsl"
+//#include "octahedral.wgsl"
 
 struct Ssdo {
     samples: u32,
@@ -33,6 +34,7 @@ struct Sample {
     // 1 = the sample point lies behind what the picture shows there
     occluded: f32,
     pixel: vec2u,
+    there: Labelled,
 }
 
 // Whether a view-space point lies behind the picture.
@@ -40,28 +42,24 @@ fn probe(point: vec3f, here: Seen, radius: f32) -> Sample {
     let projected = pixel_from_view(point);
     let at = vec2i(floor(projected.xy));
     if (projected.z <= 0.0 || any(at < vec2i(0)) || any(at >= vec2i(here.size))) {
-        return Sample(0.0, vec2u(0u)); // what the picture does not show is open
+        return Sample(0.0, vec2u(0u), Labelled(vec2u(0u), 0.0, 0u)); // what the picture does not show is open
     }
-    let found = textureLoad(surface, at, 0).w;
+    let found = labelled_at(vec2u(at));
     let skin = 0.5 * pixel_width(here.depth);
-    if (found <= 0.0 || found > projected.z - skin) {
-        return Sample(0.0, vec2u(at));
-    }
+    let behind = found.depth > 0.0 && found.depth <= projected.z - skin;
     // far foreground does not darken what lies behind it
-    let range = smoothstep(0.0, 1.0, radius / max(abs(here.depth - found), 1e-6));
-    return Sample(range, vec2u(at));
+    let range = smoothstep(0.0, 1.0, radius / max(abs(here.depth - found.depth), 1e-6));
+    return Sample(select(0.0, range, behind), vec2u(at), found);
 }
 
-// Light that a patch of the picture sends to a point: the form factor of equation 3.2 in units of
-// the radius, with A_s = strength / N. Normals and position in scene space.
-fn sent(from_pixel: vec2u, position: vec3f, normal: vec3f) -> vec3f {
-    let sender = textureLoad(surface, from_pixel, 0);
-    let place = scene_position(vec2f(from_pixel) + 0.5, sender.w);
-    let range = max(distance(place, position), 0.1 * ssdo.near_radius);
-    let way = (place - position) / range;
-    let form = max(dot(normal, way), 0.0) * max(dot(sender.xyz, -way), 0.0)
-        * ssdo.near_radius / range;
-    return form * textureLoad(diffuse, from_pixel, 0).rgb;
+// Light that a patch of the picture sends to a point in view space: the form factor of equation 3.2
+// in units of the radius, with A_s = strength / N. Direction in scene space, and its cosine.
+fn sent(found: Sample, start: vec3f, direction: vec3f, cosine: f32) -> vec3f {
+    let place = view_position(vec2f(found.pixel) + 0.5, found.there.depth);
+    let range = max(distance(place, start), 0.1 * ssdo.near_radius);
+    let normal = octahedral_decode(found.there.normal);
+    let form = cosine * max(dot(normal, -direction), 0.0) * ssdo.near_radius / range;
+    return form * textureLoad(diffuse, found.pixel, 0).rgb;
 }
 
 @compute @workgroup_size(8, 8)
@@ -71,7 +69,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         return;
     }
     let position = seen_position(here);
-    let own = labels_at(here.pixel);
+    let own = labelled_at(here.pixel).labels;
     let noise = pixel_noise(here.pixel + vec2u(view.origin), view.seed);
     let basis = tangent_frame(here.normal);
     // sample points are made in view space, where their pixel costs least
@@ -82,22 +80,23 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     var indirect = vec3f(0.0);
     for (var i = 0u; i < ssdo.samples; i += 1u) {
         let u = fract(halton(i) + noise);
-        let cosine = malley(u.xy);
-        let step = u.z * (turned * cosine);
+        let upright = malley(u.xy);
+        let direction = basis * upright;
+        let step = u.z * (turned * upright);
         var near = 0.0;
         if (HAS_NEAR) {
             let found = probe(start + ssdo.near_radius * step, here, ssdo.near_radius);
             near = found.occluded * ssdo.near_weight;
             if (HAS_BOUNCE && near > 0.0) {
-                indirect += near * sent(found.pixel, position, here.normal);
+                indirect += near * sent(found, start, direction, upright.z);
             }
         }
         let found = probe(start + ssdo.far_radius * step, here, ssdo.far_radius);
         var far = found.occluded;
         if (!PLAIN && far > 0.0) {
-            far *= strangeness(labels_at(found.pixel), own);
+            far *= strangeness(found.there.labels, own);
         }
-        gather(&sum, basis * cosine, (1.0 - near) * (1.0 - far), position);
+        gather(&sum, direction, (1.0 - near) * (1.0 - far), position);
     }
     store_gathered(here.pixel, sum, ssdo.samples, ssdo.strength);
     if (HAS_BOUNCE) {
