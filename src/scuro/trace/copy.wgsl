@@ -19,6 +19,8 @@ struct Copying {
 @group(0) @binding(4) var walked: texture_storage_2d<rgba32uint, write>;
 // bounding spheres of the instances
 @group(0) @binding(5) var<storage, read> bounds: array<vec4f>;
+// bins of directions in which nothing lies ahead of a cell
+@group(0) @binding(6) var<storage, read> clear: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -28,9 +30,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     var texel: vec4u;
     if (index < copying.cells) {
-        // where the list begins, and whether it is empty
+        // where the list begins, whether it is empty, and which way nothing lies
         let first = cells[index];
-        texel = vec4u(first, select(0u, 1u, first == EMPTY_CELL), 0u, 0u);
+        texel = vec4u(first, select(0u, 1u, first == EMPTY_CELL), clear[index], 0u);
     } else {
         let reference = refs[index];
         let primitive = reference & ~LAST_OF_CELL;

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from scuro.gpu import Gpu
 from scuro.scene.geometry import Body
+from scuro.trace.clear import clear_directions
 from scuro.trace.pack import PackedGeometry
 from scuro.trace.table import empty_table, padded_bytes, table_from_buffer
 
@@ -22,6 +23,10 @@ GRID = np.dtype(
     [("origin", np.float32, 3), ("cell", np.float32), ("dims", np.uint32, 3), ("cells", np.uint32)]
 )
 """``Grid`` of wgsl/scene_types.wgsl."""
+
+
+_CLEARED = 256
+"""In so many grids at most rays are told where nothing lies ahead: each takes milliseconds."""
 
 
 @dataclass(frozen=True)
@@ -162,6 +167,7 @@ def build_grids(
     run("fill", len(items))
     run("finish", cell_count)
     top = cell_count + int(ends[int(np.prod(plan.grids[0]["dims"], dtype=np.int64)) - 1])
+    clear = gpu.buffer(_clear_directions(plan, lengths == 0), label="clear directions")
     walked = empty_table(gpu, total, "rgba32uint", "grid entries")
     for first in range(0, total, 65535 * 64):
         gpu.compute(
@@ -175,9 +181,20 @@ def build_grids(
                 "cells": cells,
                 "refs": refs,
                 "walked": walked,
+                "clear": clear,
             },
         )
     return {"walked": walked, "refs": table_from_buffer(gpu, refs, total)}
+
+
+def _clear_directions(plan: GridPlan, empty: NDArray[np.bool_]) -> NDArray[np.uint32]:
+    """What :func:`clear_directions` tells of each cell of all grids, from whether it is empty."""
+    bits = np.zeros(len(empty), np.uint32)
+    for grid in plan.grids[:_CLEARED]:
+        first, dims = int(grid["cells"]), grid["dims"][::-1].astype(np.int64)
+        run = slice(first, first + int(np.prod(dims)))
+        bits[run] = clear_directions(empty[run].reshape(dims)).ravel()
+    return bits
 
 
 def joined(arrays: list[NDArray], shape: tuple[int, ...], dtype: Any) -> NDArray:

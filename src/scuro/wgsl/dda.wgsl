@@ -16,6 +16,34 @@ struct Walk {
     t_next: vec3f,
     t_step: vec3f,
     t_end: f32,
+    // which bit of an empty cell tells that nothing lies this way: see direction_bin
+    bin: u32,
+}
+
+// Directions fall into 24 bins: the axis of the largest component, and the signs of all three.
+// trace/clear.py finds for each empty cell the bins in which no ray from it meets anything.
+fn direction_bin(d: vec3f) -> u32 {
+    let a = abs(d);
+    let x = (a.x >= a.y) & (a.x >= a.z);
+    let axis = select(select(2u, 1u, a.y >= a.z), 0u, x);
+    let signs = select(vec3u(0u), vec3u(1u, 2u, 4u), d < vec3f(0.0));
+    return 8u * axis + (signs.x | signs.y | signs.z);
+}
+
+// Whether a ray that stands in a cell will meet nothing any more.
+fn is_clear(walk: Walk, cell: vec4u) -> bool {
+    return ((cell.z >> walk.bin) & 1u) != 0u;
+}
+
+// The cell of a point inside a grid's box.
+fn cell_of(grid: Grid, point: vec3f) -> vec3i {
+    let place = (point - grid.origin) / grid.cell;
+    return clamp(vec3i(floor(place)), vec3i(0), vec3i(grid.dims) - 1);
+}
+
+fn cell_index(grid: Grid, cell: vec3i) -> u32 {
+    let c = vec3u(cell);
+    return grid.cells + c.x + grid.dims.x * (c.y + grid.dims.y * c.z);
 }
 
 // Start where the ray enters the grid's box within [t_min, t_max]; t_end < 0 ... no cell at all.
@@ -33,19 +61,37 @@ fn walk_start(grid: Grid, ray: Ray, t_min: f32, t_max: f32) -> Walk {
     if (t0 > t1) {
         return walk;
     }
-    let place = (ray.origin + t0 * ray.direction - grid.origin) / grid.cell;
-    let last = vec3i(grid.dims) - 1;
-    let cell = clamp(vec3i(floor(place)), vec3i(0), last);
+    let cell = cell_of(grid, ray.origin + t0 * ray.direction);
     let forward = ray.direction >= vec3f(0.0);
     let edge = grid.origin + vec3f(cell + select(vec3i(0), vec3i(1), forward)) * grid.cell;
     let row = i32(grid.dims.x);
     let layer = row * i32(grid.dims.y);
-    walk.cell = i32(grid.cells) + cell.x + row * cell.y + layer * cell.z;
+    walk.cell = i32(cell_index(grid, cell));
     walk.stride = select(vec3i(-1, -row, -layer), vec3i(1, row, layer), forward);
     walk.t_next = (edge - ray.origin) * inverse;
     walk.t_step = abs(grid.cell * inverse);
+    walk.bin = direction_bin(ray.direction);
     // a sliver less: crossings are sums of steps, and must not round to one more step out of the grid
     walk.t_end = t1 - 1e-3 * grid.cell;
+    return walk;
+}
+
+// Start in the cell that holds the ray's origin: cheaper than to look for where the box is entered.
+fn walk_from(grid: Grid, ray: Ray, cell: vec3i, t_max: f32) -> Walk {
+    let inverse = safe_inverse(ray.direction);
+    let forward = ray.direction >= vec3f(0.0);
+    let to_low = grid.origin - ray.origin;
+    let leave = (to_low + select(vec3f(0.0), vec3f(grid.dims) * grid.cell, forward)) * inverse;
+    let next = cell + select(vec3i(0), vec3i(1), forward);
+    let row = i32(grid.dims.x);
+    let layer = row * i32(grid.dims.y);
+    var walk: Walk;
+    walk.cell = i32(cell_index(grid, cell));
+    walk.stride = select(vec3i(-1, -row, -layer), vec3i(1, row, layer), forward);
+    walk.t_next = (to_low + vec3f(next) * grid.cell) * inverse;
+    walk.t_step = abs(grid.cell * inverse);
+    walk.t_end = min(t_max, min(leave.x, min(leave.y, leave.z))) - 1e-3 * grid.cell;
+    walk.bin = direction_bin(ray.direction);
     return walk;
 }
 
@@ -87,13 +133,13 @@ fn walk_flat(
 // returned, or there is none and EMPTY_CELL is. A loop of its own, because adapters that run lanes
 // in lockstep pay in every iteration for all that the loop may do.
 fn next_entries(walk: ptr<function, Walk>) -> u32 {
-    var first = cell_at(u32((*walk).cell));
+    var cell = walked_at(u32((*walk).cell));
     loop {
-        if (first != EMPTY_CELL || walk_exit(*walk) >= (*walk).t_end) {
+        if (cell.y == 0u || is_clear(*walk, cell) || walk_exit(*walk) >= (*walk).t_end) {
             break;
         }
         walk_on(walk);
-        first = cell_at(u32((*walk).cell));
+        cell = walked_at(u32((*walk).cell));
     }
-    return first;
+    return select(cell.x, EMPTY_CELL, cell.y != 0u);
 }

@@ -88,16 +88,10 @@ fn slot_at(index: u32) -> vec4f {
     return textureLoad(slots, table_place(index), 0);
 }
 
-// A cell (first entry, whether empty) or an entry: a sphere's bits, its radius negative if it is
+// A cell (first entry, whether empty, bins of clear directions) or an entry: a sphere's bits, its radius negative if it is
 // the last of its cell; or another primitive (primitive, whether last, 0, 0).
 fn walked_at(index: u32) -> vec4u {
     return textureLoad(walked, table_place(index), 0);
-}
-
-// The first entry of a cell, or EMPTY_CELL.
-fn cell_at(index: u32) -> u32 {
-    let texel = walked_at(index);
-    return select(texel.x, EMPTY_CELL, texel.y != 0u);
 }
 
 // What an entry refers to.

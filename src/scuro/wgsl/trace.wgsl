@@ -135,7 +135,8 @@ fn any_in_geometry(grid: Grid, ray: Ray, t_min: f32, t_max: f32, kept: Kept) -> 
         let entry = entry_of(texel);
         found = !at_cell & stops(ray, entry, t_min, t_max, kept);
         let onward = select(entry.last, texel.y != 0u, at_cell);
-        if (found | (onward & (walk_exit(walk) >= walk.t_end))) {
+        let clear = at_cell & is_clear(walk, texel);
+        if (found | clear | (onward & (walk_exit(walk) >= walk.t_end))) {
             break;
         }
         index = walk_flat(&walk, texel, index, at_cell, onward);

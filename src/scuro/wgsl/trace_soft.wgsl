@@ -54,7 +54,8 @@ fn least_in_geometry(view: Local, t_max: f32, penumbra: Penumbra, least: f32) ->
         let entry = entry_of(texel);
         found = min(found, select(left_by(view.ray, entry, first, last, penumbra), 1.0, at_cell));
         let onward = select(entry.last, texel.y != 0u, at_cell);
-        if ((found <= 0.0) | (onward & (walk_exit(walk) >= walk.t_end))) {
+        let clear = at_cell & is_clear(walk, texel);
+        if ((found <= 0.0) | clear | (onward & (walk_exit(walk) >= walk.t_end))) {
             break;
         }
         index = walk_flat(&walk, texel, index, at_cell, onward);

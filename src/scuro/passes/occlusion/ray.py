@@ -79,9 +79,22 @@ def trace_visibility(
             "result": target,
         },
         entry="half" if half else "main",
-        constants={"PATTERN": PATTERN if interleaved else 0},
+        constants={"PATTERN": PATTERN if interleaved else 0, **fan_constants(frame, samples)},
         label="occlusion",
     )
+
+
+def fan_constants(frame: Frame, samples: int) -> dict[str, float]:
+    """Constants of wgsl/trace_fan.wgsl for so many rays from each point."""
+    has = frame.constants
+    local = not (has["HAS_TOP_LEVEL"] or has["CLIPPED"])
+    plain = local and not (has["HAS_RODS"] or has["HAS_TRIANGLES"])
+    return {
+        "LOCAL": local,
+        # measured: below four rays it costs more than it saves
+        "FIRST_CELL_AT_ONCE": plain and samples >= 4,
+        "ROUND": 4 * min(4, -(-samples // 4)),
+    }
 
 
 def direction_table(frame: Frame, samples: int, index: int) -> object:

@@ -1,11 +1,11 @@
 // Ray-traced ambient occlusion: cosine-weighted rays through the tracer (Easdon 2013, 4.2).
 //
-// Pixels fall into CLASSES interleaved classes, each with its own well spread directions; rays of
-// one class are nearly parallel and lie in neighbouring lanes, so that they walk the same cells.
+// Pixels fall into interleaved classes, each with its own well spread directions, which a filter over
+// a square of classes averages.
 
 //#include "view.wgsl"
 //#include "tiles.wgsl"
-//#include "trace_stream.wgsl"
+//#include "trace_fan.wgsl"
 //#include "sampling.wgsl"
 
 struct Rays {
@@ -34,6 +34,18 @@ fn direction_at(place: vec2u, index: u32) -> vec3f {
     return textureLoad(directions, table_place(class_index * rays.samples + index), 0).xyz;
 }
 
+fn ray_direction(fan: Fan, place: vec2u, index: u32) -> vec3f {
+    return cosine_direction(fan.normal, direction_at(place, index));
+}
+
+fn quad_at(fan: Fan, place: vec2u, first: u32) -> Quad {
+    let a = ray_direction(fan, place, first);
+    let b = ray_direction(fan, place, first + 1u);
+    let c = ray_direction(fan, place, first + 2u);
+    let d = ray_direction(fan, place, first + 3u);
+    return Quad(vec4f(a.x, b.x, c.x, d.x), vec4f(a.y, b.y, c.y, d.y), vec4f(a.z, b.z, c.z, d.z));
+}
+
 // `place` counts the samples of the picture: pixels, or blocks at half resolution.
 fn visibility_at(pixel: vec2u, place: vec2u) -> f32 {
     let texel = textureLoad(surface, pixel, 0);
@@ -41,37 +53,44 @@ fn visibility_at(pixel: vec2u, place: vec2u) -> f32 {
         return 1.0;
     }
     let position = scene_position(vec2f(pixel) + 0.5, texel.w);
-    let origin = position + texel.xyz * surface_offset(position, texel.w);
+    let fan = fan_at(position + texel.xyz * surface_offset(position, texel.w), texel.xyz);
     var open = 0.0;
-    var sample = 0u;
-    var direction = cosine_direction(texel.xyz, direction_at(place, sample));
-    var query = any_begin(Ray(origin, direction), 0.0, rays.distance);
-    loop {
-        any_go_on(&query);
-        if (query.ended) {
-            open += select(1.0, 0.0, query.found);
-            sample += 1u;
-            if (sample >= rays.samples) {
-                break;
+    for (var first = 0u; first < rays.samples; first += ROUND) {
+        // the rays of this round that are still to be traced, a bit each
+        var left = (1u << min(ROUND, rays.samples - first)) - 1u;
+        if (FIRST_CELL_AT_ONCE) {
+            left &= fan_open(
+                fan, rays.distance, quad_at(fan, place, first), quad_at(fan, place, first + 4u),
+                quad_at(fan, place, first + 8u), quad_at(fan, place, first + 12u),
+            );
+        }
+        var query: Pending;
+        query.ended = true;
+        query.found = true;
+        loop {
+            if (query.ended) {
+                open += select(1.0, 0.0, query.found);
+                if (left == 0u) {
+                    break;
+                }
+                let direction = ray_direction(fan, place, first + firstTrailingBit(left));
+                left &= left - 1u;
+                query = any_begin(fan, direction, rays.distance);
             }
-            direction = cosine_direction(texel.xyz, direction_at(place, sample));
-            query = any_begin(Ray(origin, direction), 0.0, rays.distance);
+            any_go_on(&query);
         }
     }
     return pow(open / f32(rays.samples), rays.strength);
 }
 
-// Lanes of one class next to each other: `lane` of `edge` x `edge` pixels to a place among them.
-fn class_order(lane: u32, edge: u32) -> vec2u {
-    let across = edge / 4u;
-    let place = lane / (across * across);
-    let within = lane % (across * across);
-    return vec2u(place % 4u + 4u * (within % across), place / 4u + 4u * (within / across));
+// Lanes in blocks of 4 x 2 pixels, which start in the same cells.
+fn block_order(lane: u32) -> vec2u {
+    return vec2u((lane & 3u) | ((lane >> 1u) & 4u), ((lane >> 2u) & 1u) | ((lane >> 3u) & 6u));
 }
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let pixel = tile_pixel(group, vec3u(class_order(lane, 8u), 0u));
+    let pixel = tile_pixel(group, vec3u(block_order(lane), 0u));
     if (any(pixel >= textureDimensions(result))) {
         return;
     }
