@@ -15,6 +15,7 @@ from scuro.gpu import Gpu, Timings
 from scuro.image import Image
 from scuro.passes.compose.lighting import lighting_of, lights_uniform, with_implied
 from scuro.passes.compose.shade import encode, shade
+from scuro.passes.filter.temporal import History
 from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion, prepare_occlusion
@@ -71,6 +72,8 @@ class Renderer:
         self._volumes = Volumes()
         self.reservoirs = Reservoirs()
         self._paths = PathTracer()
+        self.history = History()
+        """What frames drawn with ``accumulate`` found."""
 
     def accelerator(self, scene: Scene) -> Accelerator:
         """The scene's acceleration structure, rebuilt only if a body was replaced."""
@@ -87,9 +90,10 @@ class Renderer:
         return built.accelerator
 
     def restart(self) -> None:
-        """Forget what earlier frames of the same picture gathered: path tracing starts again."""
+        """Forget what earlier frames of the same picture gathered."""
         self._paths = PathTracer()
         self._volumes.restart()
+        self.history = History()
 
     def sibling(self) -> Renderer:
         """A renderer for another view of the same scene.
@@ -102,7 +106,13 @@ class Renderer:
         return other
 
     def frame(
-        self, scene: Scene, camera: Camera, settings: Settings, part: Part | None = None
+        self,
+        scene: Scene,
+        camera: Camera,
+        settings: Settings,
+        part: Part | None = None,
+        *,
+        accumulate: bool = False,
     ) -> Frame:
         """Record one frame, or a part of it, up to ``picture``; the last pass is not submitted yet.
 
@@ -111,6 +121,9 @@ class Renderer:
             camera: From where.
             settings: How.
             part: Which part; all of the picture by default.
+            accumulate: Go on from the frames drawn so before (:attr:`history`): while the camera
+                rests, occlusion and area shadows become the mean over all of them; where it
+                moves, they start from what the frame before knew of the same surface.
 
         Raises:
             SettingsError: The picture is too large to be drawn at once: see :meth:`parts`.
@@ -129,7 +142,7 @@ class Renderer:
             frame = self._colored(scene, camera, settings, replace(part, eye=1))
             join_eyes(frame)
         else:
-            frame = self._colored(scene, camera, settings, part)
+            frame = self._colored(scene, camera, settings, part, accumulate)
         encode(frame)
         return frame
 
@@ -147,10 +160,21 @@ class Renderer:
             yield from prepare_occlusion(frame)
         yield from self._volumes.prepare(frame, scene)
 
-    def _colored(self, scene: Scene, camera: Camera, settings: Settings, part: Part) -> Frame:
+    def _colored(
+        self,
+        scene: Scene,
+        camera: Camera,
+        settings: Settings,
+        part: Part,
+        accumulate: bool = False,
+    ) -> Frame:
         """Record what makes ``color``: geometry, occlusion, shadow, compose, post."""
         settings = with_implied(settings)
         frame = self._begun(scene, camera, settings, part)
+        if accumulate and not part.eye:
+            frame.history = self.history
+            view = frame.resources["view"]
+            view["frame"] = self.history.begin(view, frame.size)
         draw_visibility(frame)
         if settings.renderer == "path":
             self._paths.draw(frame)
@@ -158,6 +182,8 @@ class Renderer:
             draw_occlusion(frame)
             draw_shadows(frame)
             shade(frame)
+            if frame.history is not None:
+                frame.history.end(frame)
         else:
             shade_semantic(frame, scene.hierarchy(settings.semantic.parts))
         draw_attention(frame, scene)

@@ -14,6 +14,7 @@ from scuro.scene.camera import Camera
 from scuro.trace import Accelerator
 
 if TYPE_CHECKING:
+    from scuro.passes.filter.temporal import History
     from scuro.render_settings import Settings
 
 
@@ -83,6 +84,8 @@ class Frame:
     """Samples along the edge of an output pixel."""
     margin: float = 0.0
     """Samples around surfaces in which tiled passes draw, too."""
+    history: History | None = None
+    """What earlier frames found, if this one goes on from them."""
 
     def __post_init__(self) -> None:
         self.targets.frame = self

@@ -1,151 +1,196 @@
-// Edge-aware smoothing: weights fall with the distance from the pixel's tangent plane and with the
-// angle between normals, so that neither silhouettes nor creases are blurred.
+// Edge-aware smoothing of a noisy picture, or of its ratio to a guide without noise:
+//
+//     result = guide · Σ w value / Σ w guide        (guide = 1: the plain weighted mean)
+//
+// What guide and value both know of a crease is then not blurred, and the mean over a neighbourhood
+// is that of the values. Pairs (value, guide) are smoothed; unknown values (below 0) are pairs of
+// zeros, which count for nothing.
 
-//#include "view.wgsl"
 //#include "tiles.wgsl"
-//#include "scene.wgsl"
+//#include "edges.wgsl"
 
 struct Smooth {
-    // radius of the kernel, or step between taps (atrous), in pixels
-    reach: u32,
+    // radius of the kernel, or step between taps (atrous), in texels of the source
+    reach: i32,
     // which pixel of each 2 x 2 block a half-resolution texel stands for
     offset: u32,
+    // distance from the tangent plane that counts as another surface, in typical radii
+    tolerance: f32,
+    // how much normals must agree: 1 for one sample a pixel, more for more
+    selective: f32,
 }
 
 @group(2) @binding(0) var<uniform> smooth_settings: Smooth;
 @group(2) @binding(1) var surface: texture_2d<f32>;
+// the values, and for the first pass what becomes of them
 @group(2) @binding(2) var source: texture_2d<f32>;
-@group(2) @binding(3) var result: texture_storage_2d<r32float, write>;
+// at full resolution
+@group(2) @binding(3) var guide: texture_2d<f32>;
+@group(2) @binding(4) var pairs: texture_2d<f32>;
+@group(2) @binding(5) var smoothed: texture_storage_2d<rg32float, write>;
+@group(2) @binding(6) var result: texture_storage_2d<r32float, write>;
 
-struct Center {
-    pixel: vec2i,
-    position: vec3f,
-    normal: vec3f,
-    // one over the distance from the tangent plane at which the weight is 1/e
-    sharpness: f32,
+// Pixels along the edge of a block that one texel of the source stands for: 1 or 2.
+override BLOCK: u32 = 1u;
+override GUIDED: bool = false;
+// Whether this pass reads the source (or the pairs of the one before), and writes the result.
+override FIRST: bool = true;
+override LAST: bool = false;
+
+fn size() -> vec2i {
+    return vec2i(textureDimensions(source));
 }
 
-fn position_at(pixel: vec2i, depth: f32) -> vec3f {
-    return view_position(vec2f(pixel) + 0.5, depth);
+fn inside(place: vec2i) -> bool {
+    return all(place >= vec2i(0)) && all(place < size());
 }
 
-fn center_at(pixel: vec2i, texel: vec4f, reach: f32) -> Center {
-    // a sphere of the typical radius falls off its tangent plane by x^2 / 2r at a distance x: what
-    // the kernel spans of one atom is kept together, what lies on another is not
-    let span = reach * pixel_width(texel.w);
-    let tolerance = 0.1 * scene.primitive_radius + 0.5 * span;
-    return Center(pixel, position_at(pixel, texel.w),
-        (view.view_from_scene * vec4f(texel.xyz, 0.0)).xyz, 1.0 / tolerance);
-}
-
-fn weight(center: Center, pixel: vec2i, texel: vec4f) -> f32 {
-    let off = dot(center.normal, position_at(pixel, texel.w) - center.position) * center.sharpness;
-    let normal = (view.view_from_scene * vec4f(texel.xyz, 0.0)).xyz;
-    let turn = max(dot(center.normal, normal), 0.0);
-    return select(0.0, exp(-off * off) * turn * turn * turn * turn, texel.w > 0.0);
-}
-
-fn inside(pixel: vec2i) -> bool {
-    return all(pixel >= vec2i(0)) && all(pixel < vec2i(textureDimensions(surface)));
-}
-
-// Negative values are unknown: they stay so, and do not count for others.
-fn along(pixel: vec2i, axis: vec2i) -> f32 {
-    let texel = textureLoad(surface, pixel, 0);
-    let reach = i32(smooth_settings.reach);
-    let center = center_at(pixel, texel, f32(reach));
-    var sum = textureLoad(source, pixel, 0).x;
-    var total = 1.0;
-    // a flat top as wide as the pattern of ray directions, then a soft end
-    for (var i = -reach; i <= reach; i += 1) {
-        let place = pixel + i * axis;
-        if (i == 0 || !inside(place)) {
-            continue;
-        }
-        let here = textureLoad(surface, place, 0);
-        let x = f32(i) / (f32(reach) + 0.5);
-        let value = textureLoad(source, place, 0).x;
-        let w = select(weight(center, place, here) * (1.0 - x * x), 0.0, value < 0.0);
-        sum += w * value;
-        total += w;
+// The pixel of the G-buffer that a texel of the source stands for.
+fn pixel_of(place: vec2i) -> vec2i {
+    if (BLOCK == 1u) {
+        return place;
     }
-    return select(sum / total, -1.0, textureLoad(source, pixel, 0).x < 0.0);
+    let offset = vec2i(vec2u(smooth_settings.offset & 1u, smooth_settings.offset >> 1u));
+    return min(place * 2 + offset, vec2i(textureDimensions(surface)) - 1);
 }
 
+fn guide_at(pixel: vec2i) -> f32 {
+    if (!GUIDED) {
+        return 1.0;
+    }
+    return max(textureLoad(guide, pixel, 0).x, 1e-3);
+}
+
+fn pair_at(place: vec2i) -> vec2f {
+    if (!FIRST) {
+        return textureLoad(pairs, place, 0).xy;
+    }
+    let value = textureLoad(source, place, 0).x;
+    return select(vec2f(value, guide_at(pixel_of(place))), vec2f(0.0), value < 0.0);
+}
+
+fn store(place: vec2i, pair: vec2f) {
+    if (!LAST) {
+        textureStore(smoothed, place, vec4f(pair, 0.0, 0.0));
+        return;
+    }
+    let known = textureLoad(source, place, 0).x;
+    // -1: no value belongs here; -2: there is one, which only neighbours tell
+    let unknown = (known < 0.0 && known > -1.5) || pair.y <= 0.0;
+    let value = guide_at(place) * pair.x / max(pair.y, 1e-6);
+    textureStore(result, place, vec4f(select(saturate(value), 1.0, unknown)));
+}
+
+fn along(place: vec2i, axis: vec2i) {
+    if (!inside(place)) {
+        return;
+    }
+    let pixel = pixel_of(place);
+    let center = center_at(pixel, textureLoad(surface, pixel, 0), smooth_settings.tolerance,
+        smooth_settings.selective);
+    let reach = smooth_settings.reach;
+    var sum = pair_at(place);
+    var total = select(0.0, 1.0, sum.y > 0.0);
+    // wide enough for the pattern of ray directions, with a soft end
+    for (var i = -reach; i <= reach; i += 1) {
+        let there = clamp(place + i * axis, vec2i(0), size() - 1);
+        let at = pixel_of(there);
+        let x = f32(i) / (f32(reach) + 0.5);
+        let fall = select(1.0 - x * x, 0.0, i == 0 || !inside(place + i * axis));
+        let w = fall * edge_weight(center, at, textureLoad(surface, at, 0));
+        let pair = pair_at(there);
+        sum += w * pair;
+        total += select(0.0, w, pair.y > 0.0);
+    }
+    store(place, sum / max(total, 1e-9));
+}
+
+fn place_in(group: vec3u, local: vec3u) -> vec2i {
+    return vec2i(tile_pixel(group, vec3u(0u)) / BLOCK + local.xy);
+}
+
+// One texel of the source for each invocation: 8 x 8 a tile, or 4 x 4 at half resolution.
 @compute @workgroup_size(8, 8)
 fn across(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = vec2i(tile_pixel(group, local));
-    if (inside(pixel)) {
-        textureStore(result, pixel, vec4f(along(pixel, vec2i(1, 0))));
-    }
+    along(place_in(group, local), vec2i(1, 0));
 }
 
 @compute @workgroup_size(8, 8)
 fn down(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = vec2i(tile_pixel(group, local));
-    if (inside(pixel)) {
-        let value = along(pixel, vec2i(0, 1));
-        textureStore(result, pixel, vec4f(select(value, 1.0, value < 0.0)));
-    }
+    along(place_in(group, local), vec2i(0, 1));
 }
 
-// One level of the a-trous wavelet transform: a 5 x 5 B3 spline with holes.
-@compute @workgroup_size(8, 8)
-fn atrous(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = vec2i(tile_pixel(group, local));
-    if (!inside(pixel)) {
+@compute @workgroup_size(4, 4)
+fn half_across(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    along(place_in(group, local), vec2i(1, 0));
+}
+
+@compute @workgroup_size(4, 4)
+fn half_down(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    along(place_in(group, local), vec2i(0, 1));
+}
+
+// One level of the a-trous wavelet transform: a 5 x 5 B3 spline with holes (Dammertz et al. 2010).
+fn atrous_at(place: vec2i) {
+    if (!inside(place)) {
         return;
     }
-    let step = i32(smooth_settings.reach);
-    let center = center_at(pixel, textureLoad(surface, pixel, 0), 2.0 * f32(step));
-    var sum = 0.0;
-    var total = 0.0;
+    let pixel = pixel_of(place);
+    let step = smooth_settings.reach;
+    let center = center_at(pixel, textureLoad(surface, pixel, 0), smooth_settings.tolerance,
+        smooth_settings.selective);
+    var sum = vec2f(0.0);
     for (var y = -2; y <= 2; y += 1) {
         for (var x = -2; x <= 2; x += 1) {
-            let place = pixel + step * vec2i(x, y);
-            if (!inside(place)) {
-                continue;
+            let wanted = place + step * vec2i(x, y);
+            let there = clamp(wanted, vec2i(0), size() - 1);
+            let at = pixel_of(there);
+            let kernel = spline(x) * spline(y) * select(0.0, 1.0, inside(wanted));
+            let edge = edge_weight(center, at, textureLoad(surface, at, 0));
+            let w = kernel * select(edge, 1.0, x == 0 && y == 0);
+            sum += w * pair_at(there);
             }
-            let spline = exp2(-f32(abs(x) + abs(y)) * select(1.0, 1.3, abs(x) + abs(y) > 1));
-            let itself = x == 0 && y == 0;
-            let w = spline * select(weight(center, place, textureLoad(surface, place, 0)), 1.0, itself);
-            sum += w * textureLoad(source, place, 0).x;
-            total += w;
-        }
     }
-    textureStore(result, pixel, vec4f(sum / total));
+    store(place, sum);
+}
+
+// B3 spline: 1, 4, 6, 4, 1 sixteenths.
+fn spline(x: i32) -> f32 {
+    return select(select(0.375, 0.25, abs(x) == 1), 0.0625, abs(x) == 2);
+}
+
+@compute @workgroup_size(8, 8)
+fn atrous(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    atrous_at(place_in(group, local));
+}
+
+@compute @workgroup_size(4, 4)
+fn half_atrous(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    atrous_at(place_in(group, local));
 }
 
 // Joint bilateral upsampling (Kopf et al. 2007) from one real pixel of each 2 x 2 block.
 @compute @workgroup_size(8, 8)
 fn upsample(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let pixel = vec2i(tile_pixel(group, local));
-    if (!inside(pixel)) {
+    if (any(pixel >= vec2i(textureDimensions(surface)))) {
         return;
     }
     let offset = vec2i(vec2u(smooth_settings.offset & 1u, smooth_settings.offset >> 1u));
-    let size = vec2i(textureDimensions(source));
-    let limit = vec2i(textureDimensions(surface)) - 1;
-    let center = center_at(pixel, textureLoad(surface, pixel, 0), 2.0);
+    let center = center_at(pixel, textureLoad(surface, pixel, 0), smooth_settings.tolerance,
+        smooth_settings.selective);
     let base = (pixel - offset) / 2 - select(vec2i(0), vec2i(1), pixel < offset);
-    var sum = 0.0;
-    var total = 0.0;
-    var nearest = 1.0;
-    var best = -1.0;
+    var sum = vec2f(0.0);
     for (var y = 0; y <= 1; y += 1) {
         for (var x = 0; x <= 1; x += 1) {
-            let texel = clamp(base + vec2i(x, y), vec2i(0), size - 1);
-            let place = min(texel * 2 + offset, limit);
-            let near = max(vec2f(0.1), 1.0 - 0.5 * abs(vec2f(pixel - place)));
-            let w = near.x * near.y * weight(center, place, textureLoad(surface, place, 0));
-            let value = textureLoad(source, texel, 0).x;
-            sum += w * value;
-            total += w;
-            if (w > best) {
-                best = w;
-                nearest = value;
-            }
+            let place = clamp(base + vec2i(x, y), vec2i(0), size() - 1);
+            let at = pixel_of(place);
+            let near = max(vec2f(0.1), 1.0 - 0.5 * abs(vec2f(pixel - at)));
+            // never nothing: the pixel's own block is better than no answer
+            let w = near.x * near.y * edge_weight(center, at, textureLoad(surface, at, 0)) + 1e-5;
+            sum += w * textureLoad(pairs, place, 0).xy;
         }
     }
-    textureStore(result, pixel, vec4f(select(nearest, sum / total, total > 1e-4)));
+    let value = guide_at(pixel) * sum.x / max(sum.y, 1e-9);
+    textureStore(result, pixel, vec4f(select(saturate(value), 1.0, sum.y <= 0.0)));
 }

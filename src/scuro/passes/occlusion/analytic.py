@@ -34,25 +34,22 @@ class AnalyticSettings(SettingsGroup):
 
 def draw(frame: Frame) -> None:
     """Fill ``visibility``."""
-    settings = frame.settings.occlusion
-    block_analytically(frame, "visibility", settings.analytic.neighbours, settings.strength)
+    block_analytically(frame, "visibility", frame.settings.occlusion.analytic.neighbours)
 
 
-def block_analytically(frame: Frame, name: str, neighbours: int, strength: float = 1.0) -> None:
+def block_analytically(frame: Frame, name: str, neighbours: int) -> None:
     """Fill the texture ``name`` with the product over near spheres of what each leaves open.
 
     Args:
         frame: With ``surface`` and ``ids`` filled.
         name: Target.
         neighbours: Spheres an atom; rounded up to fours.
-        strength: Exponent on the result.
     """
     texels = -(-neighbours // 4)
     resources = {
         "analytic": {
             "texels": texels,
             "range": frame.settings.occlusion.distance or 3e38,
-            "strength": strength,
             "form": int(frame.settings.occlusion.analytic.form == "easdon"),
         },
         "neighbours": neighbour_table(frame, texels),

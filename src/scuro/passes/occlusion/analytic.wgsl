@@ -10,7 +10,6 @@ struct Analytic {
     texels: u32,
     // spheres whose surface is farther than this from the point do not count
     range: f32,
-    strength: f32,
     // 0 the horizon-clipped closed form, 1 Easdon's form without a horizon
     form: u32,
 }
@@ -96,5 +95,5 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     let n = rotate(inverse, texel.xyz);
     let clipped = (traced_object(id.z).flags & UNCLIPPED) == 0u;
     let open = open_share(slot_of(id.w), p, n, instance, clipped);
-    textureStore(result, pixel, vec4f(pow(open, analytic.strength)));
+    textureStore(result, pixel, vec4f(open));
 }

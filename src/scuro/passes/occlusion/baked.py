@@ -79,7 +79,6 @@ def draw(frame: Frame) -> None:
             "baked": {
                 "edge": atlas.edge,
                 "columns": atlas.columns,
-                "strength": frame.settings.occlusion.strength,
             },
             "patch_of": atlas.patch_of,
             "atlas": atlas.texture,

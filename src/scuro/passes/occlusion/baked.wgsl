@@ -8,7 +8,6 @@
 struct Baked {
     edge: u32,
     columns: u32,
-    strength: f32,
 }
 
 @group(2) @binding(0) var<uniform> baked: Baked;
@@ -57,5 +56,5 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     let low = mix(textureLoad(atlas, corner, 0).x, textureLoad(atlas, corner + vec2u(1u, 0u), 0).x, part.x);
     let high = mix(textureLoad(atlas, corner + vec2u(0u, 1u), 0).x,
         textureLoad(atlas, corner + vec2u(1u, 1u), 0).x, part.x);
-    textureStore(result, pixel, vec4f(pow(mix(low, high, part.y), baked.strength)));
+    textureStore(result, pixel, vec4f(mix(low, high, part.y)));
 }

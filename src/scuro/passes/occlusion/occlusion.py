@@ -54,9 +54,21 @@ class OcclusionSettings(SettingsGroup):
 
 def draw_occlusion(frame: Frame) -> None:
     """Fill ``visibility`` by the technique of the settings."""
-    technique = frame.settings.occlusion.technique
-    if technique != "none":
-        _function(TECHNIQUES[technique])(frame)
+    settings = frame.settings.occlusion
+    if settings.technique == "none":
+        return
+    _function(TECHNIQUES[settings.technique])(frame)
+    if settings.strength != 1:
+        source = frame.resources["visibility"]
+        frame.compute_tiles(
+            "passes/occlusion/strength.wgsl",
+            {
+                "strength": {"exponent": settings.strength},
+                "visibility": source,
+                "result": frame.target("visibility_bent", "r32float", clear=(1, 1, 1, 1)),
+            },
+        )
+        frame.resources["visibility"] = frame.resources["visibility_bent"]
 
 
 def prepare_occlusion(frame: Frame) -> Iterator[float]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.passes.filter.smooth import smooth
+from scuro.passes.filter.temporal import settle
 from scuro.passes.frame import Frame
 from scuro.trace.table import float_table
 
@@ -15,23 +16,26 @@ PATTERN = 4
 """Edge of the square of interleaved pixel classes; the filters are sized to average over it."""
 
 DEFAULT_SAMPLES = 4
+UNFILTERED = 64
+"""So many samples need no smoothing."""
 
 
 def draw(frame: Frame) -> None:
     """Fill ``visibility``."""
     settings = frame.settings.occlusion
     samples = settings.samples or DEFAULT_SAMPLES
-    filtered = settings.filter != "none" and (settings.filter != "auto" or samples < 64)
-    trace_visibility(
-        frame,
-        "visibility",
-        samples,
-        settings.distance,
-        interleaved=filtered,
-        strength=settings.strength,
-    )
-    if filtered:
-        smooth(frame, "visibility", settings.filter)
+    filtered = settings.filter != "none" and (settings.filter != "auto" or samples < UNFILTERED)
+    trace_visibility(frame, "visibility", samples, settings.distance, interleaved=filtered)
+    settle(
+        frame, "visibility", occlusion_key(frame), samples,
+        kind=settings.filter if filtered else "none", enough=UNFILTERED,
+    )  # fmt: skip
+
+
+def occlusion_key(frame: Frame) -> Any:
+    """Everything but the camera that visibility depends on."""
+    planes = np.asarray(frame.resources["scene"]["planes"]).tobytes()
+    return (frame.accelerator, planes, frame.settings.occlusion, frame.settings.seed)
 
 
 def trace_visibility(
@@ -41,8 +45,6 @@ def trace_visibility(
     distance: float | None,
     *,
     interleaved: bool,
-    half: bool | None = None,
-    strength: float = 1.0,
 ) -> None:
     """Trace ``samples`` rays a pixel into the texture ``name``.
 
@@ -53,11 +55,8 @@ def trace_visibility(
         distance: Length of the rays, world units; unlimited if ``None``.
         interleaved: Share directions within classes of pixels (coherent, to be filtered), or give
             each pixel a sequence of its own.
-        half: Trace at half resolution; as the settings say by default.
-        strength: Exponent on the result.
     """
-    if half is None:
-        half = frame.settings.occlusion.resolution == "half"
+    half = frame.settings.occlusion.resolution == "half"
     width, height = frame.size
     index = int(frame.resources["view"]["frame"])
     target = frame.target(
@@ -72,7 +71,6 @@ def trace_visibility(
             "rays": {
                 "samples": samples,
                 "distance": distance or 3e38,
-                "strength": strength,
                 "offset": index % 4,
             },
             "directions": direction_table(frame, samples if interleaved else 1, index),

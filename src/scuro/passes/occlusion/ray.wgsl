@@ -11,7 +11,6 @@
 struct Rays {
     samples: u32,
     distance: f32,
-    strength: f32,
     // which pixel of each 2 x 2 block stands for it, at half resolution
     offset: u32,
 }
@@ -27,8 +26,10 @@ override PATTERN: u32 = 4u;
 
 fn direction_at(place: vec2u, index: u32) -> vec3f {
     if (PATTERN == 0u) {
-        let start = hash(place.x + hash(place.y + hash(view.seed + view.frame)));
-        return sphere_direction(r2_point(index, vec2u(start, hash(start))));
+        // further frames go on in the same sequence
+        let start = hash(place.x + hash(place.y + hash(view.seed)));
+        let first = view.frame * rays.samples;
+        return sphere_direction(r2_point(first + index, vec2u(start, hash(start))));
     }
     let class_index = place.x % PATTERN + PATTERN * (place.y % PATTERN);
     return textureLoad(directions, table_place(class_index * rays.samples + index), 0).xyz;
@@ -80,7 +81,7 @@ fn visibility_at(pixel: vec2u, place: vec2u) -> f32 {
             any_go_on(&query);
         }
     }
-    return pow(open / f32(rays.samples), rays.strength);
+    return open / f32(rays.samples);
 }
 
 // Lanes in blocks of 4 x 2 pixels, which start in the same cells.

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 
-from scuro.passes.filter.smooth import smooth
+from scuro.passes.filter.temporal import settle
 from scuro.passes.frame import Frame
-from scuro.passes.occlusion.ray import direction_table
+from scuro.passes.occlusion.ray import PATTERN, direction_table, occlusion_key
 from scuro.settings import SettingsGroup, setting
 
+_UNFILTERED = 512
+"""So many samples, of several frames together, need no smoothing."""
 _KINDS = ("ssao", "hbao", "gtao")
 
 _RADII = {"ssao": 6.0, "hbao": 12.0, "gtao": 16.0}
@@ -69,7 +71,6 @@ def _draw(frame: Frame, kind: str, default_samples: int) -> None:
                 "radius": radius,
                 "bias": screen.bias * frame.accelerator.primitive_radius,
                 "angle_bias": math.sin(math.radians(screen.angle_bias)),
-                "strength": settings.strength,
                 "offset": index % 4,
             },
             "directions": direction_table(frame, samples, index),
@@ -84,5 +85,7 @@ def _draw(frame: Frame, kind: str, default_samples: int) -> None:
         constants={"KIND": _KINDS.index(kind)},
         label="occlusion",
     )
-    if settings.filter != "none" or half:
-        smooth(frame, "visibility", settings.filter)
+    settle(
+        frame, "visibility", occlusion_key(frame), samples, kind=settings.filter,
+        enough=_UNFILTERED, radius=PATTERN,
+    )  # fmt: skip

@@ -20,7 +20,6 @@ struct Screen {
     bias: f32,
     // sine of the angle over the tangent plane from which occluders count (hbao)
     angle_bias: f32,
-    strength: f32,
     // which pixel of each 2 x 2 block stands for it, at half resolution
     offset: u32,
 }
@@ -159,7 +158,7 @@ fn visibility_at(pixel: vec2u, place: vec2u) -> f32 {
     } else {
         open = horizons(p);
     }
-    return pow(saturate(open), screen.strength);
+    return saturate(open);
 }
 
 @compute @workgroup_size(8, 8)

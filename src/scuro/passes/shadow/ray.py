@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
-from scuro.passes.filter.smooth import smooth
+import numpy as np
+
+from scuro.passes.filter.temporal import settle
 from scuro.passes.frame import Frame
 
 PATTERN = 4
@@ -26,8 +29,19 @@ def draw_area(frame: Frame, light: int) -> None:
     samples = settings.samples or DEFAULT_SAMPLES
     filtered = settings.filter and samples < UNFILTERED
     _trace(frame, light, samples, default_spread(frame), interleaved=filtered)
-    if filtered:
-        smooth(frame, "shadow_light")
+    settle(
+        frame, "shadow_light", _key(frame, light), samples,
+        kind="auto" if filtered else "none", enough=UNFILTERED, radius=PATTERN,
+        signal=f"shadow {light}",
+    )  # fmt: skip
+
+
+def _key(frame: Frame, light: int) -> Any:
+    """Everything but the camera that a light's shadow depends on."""
+    planes = np.asarray(frame.resources["scene"]["planes"]).tobytes()
+    values = frame.resources["lights"]["list"][light].items()
+    lamp = tuple((name, tuple(np.atleast_1d(value).tolist())) for name, value in values)
+    return (frame.accelerator, planes, frame.settings.shadows, frame.settings.seed, lamp)
 
 
 def default_spread(frame: Frame) -> float:
