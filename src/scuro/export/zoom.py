@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip
-from scuro.scene.geometry import Body, Geometry, rotation_matrices
+from scuro.scene.geometry import Body, Geometry, rotation_matrices, turned
 from scuro.scene.scene import Scene
 
 ATOMS_HIGH = 15.0
@@ -85,7 +85,7 @@ def landing_point(scene: Scene, camera: Camera) -> NDArray[np.float64]:
         if not len(body.geometry) or not len(body.positions):
             continue
         middle = body.geometry.bounds.astype(np.float64).mean(axis=0)
-        centers = rotation_matrices(body.rotations) @ middle + body.positions - eye
+        centers = turned(body.rotations, middle) + body.positions - eye
         along = centers @ way
         off = np.linalg.norm(centers - along[:, None] * way, axis=1)
         first = int(off.argmin())

@@ -20,6 +20,10 @@ def _empty(*shape: int, dtype: type = np.float32) -> NDArray:
     return np.zeros(shape, dtype)
 
 
+_SLICE = 1 << 18
+"""So many instances at a time where each takes a matrix."""
+
+
 @dataclass(frozen=True, eq=False)
 class Geometry:
     """Ray-traceable primitives in one local frame (compared and cached by identity).
@@ -137,10 +141,13 @@ class Body:
         if len(self.positions) == 0:
             return np.zeros((2, 3))
         middle, half = (low + high) / 2, (high - low) / 2
-        matrices = rotation_matrices(self.rotations)
-        centers = matrices @ middle + self.positions
-        reach = np.abs(matrices) @ half
-        return np.stack([(centers - reach).min(axis=0), (centers + reach).max(axis=0)])
+        boxes = []
+        for start in range(0, len(self.positions), _SLICE):
+            matrices = rotation_matrices(self.rotations[start : start + _SLICE])
+            centers = matrices @ middle + self.positions[start : start + _SLICE]
+            reach = np.abs(matrices) @ half
+            boxes.append([(centers - reach).min(axis=0), (centers + reach).max(axis=0)])
+        return np.stack([np.min([b[0] for b in boxes], 0), np.max([b[1] for b in boxes], 0)])
 
 
 def rotation_matrices(quaternions: NDArray) -> NDArray[np.float64]:
@@ -154,6 +161,21 @@ def rotation_matrices(quaternions: NDArray) -> NDArray[np.float64]:
         ],
         axis=-2,
     )
+
+
+def turned(rotations: NDArray, point: NDArray) -> NDArray[np.float64]:
+    """One point (3,) turned by each of the unit quaternions (k, 4) x, y, z, w: (k, 3).
+
+    Without a matrix for each, and slice by slice: millions of instances need no more memory than
+    the answer.
+    """
+    point = np.asarray(point, np.float64)
+    found = np.empty((len(rotations), 3))
+    for start in range(0, len(rotations), _SLICE):
+        q = np.asarray(rotations[start : start + _SLICE], np.float64)
+        twice = 2 * np.cross(q[:, :3], point)
+        found[start : start + _SLICE] = point + q[:, 3:] * twice + np.cross(q[:, :3], twice)
+    return found
 
 
 def quaternions(matrices: NDArray) -> NDArray[np.float32]:

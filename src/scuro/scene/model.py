@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.scene.geometry import Body, Geometry, Material, rotation_matrices
+from scuro.scene.geometry import Body, Geometry, Material, turned
 from scuro.scene.lod import Level, levels_of_detail
 from scuro.scene.regions import Divided, Division
 
@@ -272,7 +272,7 @@ class MesoscaleModel:
                 if len(part) == 0 or len(part.structure) == 0:
                     continue
                 geometry, middle = _geometry(part.structure, ingredient.color)
-                positions = part.positions + rotation_matrices(part.rotations) @ middle
+                positions = part.positions + turned(part.rotations, middle)
                 body = Body(geometry, np.asarray(part.rotations, np.float32), positions, **common)
                 chains = Division("chain", part.structure.chain, part.structure.chain_names)
                 made.append(Divided(body, (chains,), painted=True))

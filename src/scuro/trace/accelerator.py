@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scuro.gpu import Gpu
 from scuro.scene.camera import Camera
 from scuro.scene.clip import MAX_PLANES, Clip
-from scuro.scene.geometry import Body, rotation_matrices
+from scuro.scene.geometry import Body, turned
 from scuro.trace.grids import (
     GRID,
     GridPlan,
@@ -260,20 +260,20 @@ def _instances(
     bodies: Sequence[Body], center: NDArray, packed: dict[int, PackedGeometry]
 ) -> tuple[NDArray, NDArray[np.float32]]:
     """The instance table, and bounding spheres (k, 4) in scene space, in body order."""
-    tables, spheres = [np.zeros(0, INSTANCE)], [np.zeros((0, 4), np.float32)]
+    count = sum(len(body.positions) for body in bodies)
+    tables, spheres = np.zeros(count, INSTANCE), np.empty((count, 4), np.float32)
+    first = 0
     for index, body in enumerate(bodies):
         p = packed[id(body.geometry)]
-        table = np.zeros(len(body.positions), INSTANCE)
+        rows = slice(first, first + len(body.positions))
+        first = rows.stop
+        table = tables[rows]
         table["rotation"] = body.rotations
-        middle = rotation_matrices(body.rotations) @ p.middle.astype(np.float64)
-        table["center"] = body.positions + middle - center
+        table["center"] = body.positions + turned(body.rotations, p.middle) - center
         table["object"] = index
-        sphere = np.empty((len(table), 4), np.float32)
-        sphere[:, :3] = table["center"]
-        sphere[:, 3] = p.radius if len(p.primitives) else 0
-        tables.append(table)
-        spheres.append(sphere)
-    return np.concatenate(tables), np.concatenate(spheres)
+        spheres[rows, :3] = table["center"]
+        spheres[rows, 3] = p.radius if len(p.primitives) else 0
+    return tables, spheres
 
 
 def _clusters(
