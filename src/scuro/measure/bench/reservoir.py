@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from scuro.load import load
 from scuro.measure.bench import BenchOptions, median_seconds
 from scuro.measure.metrics import psnr, ssim
-from scuro.passes.reservoir.resample import resampled_size
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
@@ -36,6 +35,16 @@ _WAYS: dict[str, dict[str, Any]] = {
     "libc, fast, occlusion": {"technique": "libc", "fast": True, "occlusion": True},
     "srg": {"technique": "srg"},
 }
+"""Settings of ``strategy``; without occlusion but where it is named, and without shadows."""
+
+
+def unlit(options: BenchOptions, **changes: Any) -> Settings:
+    """Emission and absorption of the volume alone: what the strategies themselves take."""
+    return (
+        options.plain()
+        .replace(reservoir__show="volume", strategy__occlusion=False)
+        .replace(**changes)
+    )
 
 
 def run(options: BenchOptions) -> dict[str, Any]:
@@ -64,7 +73,7 @@ def _strategies(
     rows, reference = [], None
     for way, changes in _WAYS.items():
         options.say(f"{name}, {way}")
-        settings = options.plain().replace(**{f"strategy__{k}": v for k, v in changes.items()})
+        settings = unlit(options, **{f"strategy__{k}": v for k, v in changes.items()})
         camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
         draw = partial(_draw, renderer, scene, camera, settings)
         seconds = median_seconds(draw, options.frames)
@@ -91,14 +100,12 @@ def _draw(
 
 
 def _memory(renderer: Renderer, scene: Scene, settings: Settings) -> dict[str, Any]:
-    model = renderer.reservoirs.model(scene.reservoirs[0])
-    total = model.bytes
-    if settings.strategy.technique == "srg":
-        total += 4 * int(np.prod(resampled_size(model, settings.strategy.resample)))
+    (item,) = scene.reservoirs
+    total = renderer.reservoirs.bytes(item, settings.strategy)
     return {
-        "active cells": model.grid.active_count,
+        "active cells": item.grid.active_count,
         "GPU MB": round(total / 1e6, 2),
-        "bytes a cell": round(total / model.grid.active_count, 1),
+        "bytes a cell": round(total / item.grid.active_count, 1),
     }
 
 
@@ -106,7 +113,7 @@ def _time_step(renderer: Renderer, options: BenchOptions) -> dict[str, Any]:
     """From one time step's values to those of the next, on the GPU."""
     options.say("time step")
     scene = Scene().add(faulted_dome(*_HUNDRED_THOUSAND))
-    settings = Settings(size=(64, 64)).replace(reservoir__property="SWAT")
+    settings = unlit(options, reservoir__property="SWAT").replace(size=(64, 64))
     renderer.render(scene, None, settings)
     step = 0
 
@@ -131,7 +138,7 @@ def _large(renderer: Renderer, options: BenchOptions) -> list[dict[str, Any]]:
         grid = load(path)
         reading = time.perf_counter() - start
     scene = Scene().add(grid)
-    settings = options.plain().replace(reservoir__show="volume", reservoir__property="DEPTH")
+    settings = unlit(options, reservoir__property="DEPTH")
     start = time.perf_counter()
     camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
     _draw(renderer, scene, camera, settings)

@@ -12,7 +12,7 @@ from scuro.gpu import Gpu
 from scuro.passes.frame import Frame
 from scuro.passes.reservoir.light import ReservoirLight, light_shares
 from scuro.passes.reservoir.model import ENTRIES, ReservoirModel, texture_bytes
-from scuro.passes.reservoir.resample import Resampled
+from scuro.passes.reservoir.resample import Resampled, resampled_size
 from scuro.passes.reservoir.settings import StrategySettings
 from scuro.scene.clip import MAX_PLANES, Clip
 from scuro.scene.reservoir import ReservoirItem
@@ -134,7 +134,7 @@ class ReservoirPicture:
             resources["resampled"] = self._keep(
                 "resampled",
                 (self._kept["values"][0], strategy.resample),
-                lambda: Resampled(model, strategy.resample).texture(),
+                lambda: Resampled(model, resampled_size(model, strategy.resample)).texture(),
             )
         frame.compute(
             f"passes/reservoir/{strategy.technique}.wgsl",

@@ -6,14 +6,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scuro.passes.compose.lighting import lighting_of, lights_uniform
 from scuro.passes.frame import Frame
 from scuro.passes.reservoir.model import ReservoirModel, texture_bytes
-from scuro.passes.reservoir.resample import Resampled
+from scuro.passes.reservoir.resample import Resampled, cubic_size
 from scuro.passes.reservoir.settings import StrategySettings
 from scuro.passes.volume.draw import VolumePicture
-from scuro.passes.volume.light import LightTexture
+from scuro.passes.volume.light import BRICK, LightTexture
 from scuro.passes.volume.pyramid import Pyramid
 from scuro.passes.volume.settings import VolumeSettings
 from scuro.scene.clip import Clip
@@ -30,12 +31,12 @@ class ReservoirLight:
 
     Args:
         model: With values in place.
-        factor: Samples per cell along each axis.
+        longest: Voxels along the longest side.
     """
 
-    def __init__(self, model: ReservoirModel, factor: float) -> None:
+    def __init__(self, model: ReservoirModel, longest: int) -> None:
         self.model = model
-        grid = Resampled(model, factor)
+        grid = Resampled(model, cubic_size(model, longest))
         values, inside = grid.read()
         # what is outside lies as far below the property's range as the range is wide
         data = np.where(inside, values, -1).astype(np.float32)
@@ -47,6 +48,7 @@ class ReservoirLight:
         self.picture = VolumePicture(model.gpu, self.volume, model.center)
         self._texture: LightTexture | None = None
         self._pyramid: Pyramid | None = None
+        self._marks: Any = None
         self._transfer: tuple[Any, TransferFunction] | None = None
 
     @property
@@ -70,6 +72,8 @@ class ReservoirLight:
             ]
             made = TransferFunction(((0.0, 1.0, 1.0, 1.0),), tuple(points))
             self._transfer = (shown, made)
+            marks = bricks_with(made.opacity(self.volume.values) > 0)
+            self._marks = model.gpu.buffer(marks, label="bricks with matter")
         return self._transfer[1]
 
     def draw(
@@ -95,7 +99,9 @@ class ReservoirLight:
         texels = LightTexture.texels_for(picture.grid, settings)
         if self._texture is None or self._texture.texels != texels:
             self._texture = LightTexture(self.model.gpu, texels)
-        self._texture.make(frame.recorder, resources, settings, frame.size, {"ISOSURFACE": False})
+        self._texture.make(
+            frame.recorder, resources, settings, frame.size, {"ISOSURFACE": False}, self._marks
+        )
         return self._texture.texture
 
     def draw_on_surfaces(
@@ -132,6 +138,24 @@ class ReservoirLight:
         lighting = lighting_of(frame.settings.lighting, scene.lighting)
         center = self.model.center
         return lights_uniform(lighting, frame.camera, center, shadows=strategy.shadow)
+
+
+def bricks_with(matter: NDArray[np.bool_]) -> NDArray[np.uint32]:
+    """1 for each brick of light that samples of the matter read, in the order of illuminate.wgsl.
+
+    Args:
+        matter: (nz, ny, nx) where there is any; samples between voxels read those around them.
+    """
+    counts = [-(-n // BRICK) for n in matter.shape]
+    around = np.pad(
+        matter, [(1, c * BRICK - n + 1) for c, n in zip(counts, matter.shape, strict=True)]
+    )
+    for axis in range(3):
+        before, after = np.roll(around, 1, axis), np.roll(around, -1, axis)
+        around = around | before | after
+    inner = around[1:-1, 1:-1, 1:-1]
+    shape = [n for count in counts for n in (count, BRICK)]
+    return inner.reshape(shape).any(axis=(1, 3, 5)).astype(np.uint32).ravel()
 
 
 def light_shares(

@@ -14,17 +14,21 @@ MOST_TEXELS = 24_000_000
 """Finer grids are made coarser until they fit what every device binds at once."""
 
 
+MOST_FLAT = 8
+"""Texels at least along the shortest side."""
+
+
 class Resampled:
     """A regular grid over the model's box: value × inside and inside, as half-floats.
 
     Args:
         model: With values in place.
-        factor: Samples per cell along each axis.
+        size: Texels along x, y, z.
     """
 
-    def __init__(self, model: ReservoirModel, factor: float) -> None:
+    def __init__(self, model: ReservoirModel, size: tuple[int, int, int]) -> None:
         self.model = model
-        self.size = resampled_size(model, factor)
+        self.size = size
         """(3,) texels along x, y, z."""
         low, high = model.bounds
         self.low, self.voxel = low, (high - low) / self.size
@@ -68,6 +72,13 @@ class Resampled:
         halves = self.model.gpu.read_buffer(self._texels, np.float16)
         grid = halves[: nz * ny * self._row * 2].reshape(nz, ny, self._row, 2)[:, :, :nx]
         return grid[..., 0].astype(np.float32), grid[..., 1] > 0.5
+
+
+def cubic_size(model: ReservoirModel, longest: int) -> tuple[int, int, int]:
+    """Texels along x, y, z that are as good as cubes, so many of them along the longest side."""
+    extent = model.bounds[1] - model.bounds[0]
+    nx, ny, nz = np.maximum(np.ceil(extent / extent.max() * longest), MOST_FLAT).astype(int)
+    return int(nx), int(ny), int(nz)
 
 
 def resampled_size(model: ReservoirModel, factor: float) -> tuple[int, int, int]:

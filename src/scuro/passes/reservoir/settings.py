@@ -24,9 +24,15 @@ class StrategySettings(SettingsGroup):
         4.0, "srg: samples per cell along each axis (the thesis's r')", low=0.25, high=32
     )
     occlusion: bool = setting(
-        False, "darken what the viewer sees through matter, by the cones of volume.occlusion"
+        True, "darken what the viewer sees through matter, by the cones of volume.occlusion"
     )
-    shadow: bool = setting(False, "shadows of the lights, by the cones of volume.shadow")
-    light_resolution: float = setting(
-        1.0, "samples per cell and axis of the grid in which light is worked out", low=0.1, high=8
+    shadow: bool = setting(
+        False,
+        "shadows of the lights, by the cones of volume.shadow; also on where surfaces have shadows",
+    )
+    light_resolution: int = setting(
+        160,
+        "voxels of the grid in which light is worked out, along the model's longest side",
+        low=16,
+        high=512,
     )

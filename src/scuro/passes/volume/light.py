@@ -96,6 +96,7 @@ class LightTexture:
         settings: VolumeSettings,
         size: tuple[int, int],
         constants: Mapping[str, Any],
+        marks: Any = None,
     ) -> None:
         """Record the light of all bricks, or of those that the picture's rays read.
 
@@ -105,15 +106,17 @@ class LightTexture:
             settings: Of the volume.
             size: Width and height of the picture.
             constants: ``ISOSURFACE`` as the picture has it.
+            marks: Buffer with a word that is not 0 for every brick to light, where that is known.
         """
         fields = {"size": self.texels, "width": self.bricks[0], "height": self.bricks[1]}
-        if not settings.light_all:
+        everywhere = settings.light_all and marks is None
+        if not everywhere and marks is None:
             record.clear_buffer(self._marks)
             self._mark(record, resources, fields, size, constants)
         resources = {
             **resources,
-            "bricks": {**fields, "depth": self.bricks[2], "all_bricks": int(settings.light_all)},
-            "marks": self._marks,
+            "bricks": {**fields, "depth": self.bricks[2], "all_bricks": int(everywhere)},
+            "marks": self._marks if marks is None else marks,
             "wanted": self._wanted,
             "illuminated": self.texture,
         }
