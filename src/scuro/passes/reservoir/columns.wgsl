@@ -2,7 +2,7 @@
 //
 // Corners of a column are in ring order, (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1), as the four
 // components of a vector; parametric coordinates s, t, r run from 0 to 1 along i, j and downward.
-// Tables are textures, in rows of 4096: software adapters read those several times faster.
+// Tables are textures, in rows of a power of two: software adapters read those several times faster.
 
 struct Pillar {
     // x and y at z = 0, and their change over z
@@ -37,6 +37,9 @@ struct Model {
     extent: f32,
     // lowest and highest z of all cells
     z_range: vec2f,
+    // texels in a row of a table: as the power of two, and less one
+    row_power: u32,
+    row_mask: i32,
 }
 
 @group(1) @binding(0) var<uniform> model: Model;
@@ -47,7 +50,7 @@ struct Model {
 @group(1) @binding(3) var depths: texture_2d<u32>;
 
 fn texel_of(index: i32) -> vec2i {
-    return vec2i(index & 4095, index >> 12);
+    return vec2i(index & model.row_mask, index >> model.row_power);
 }
 
 fn pillar_at(index: i32) -> Pillar {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Any
 
@@ -17,8 +18,8 @@ from scuro.style.transfer import TransferFunction
 ENTRIES = 1024
 """Entries of the transfer function's tables."""
 
-ROW = 4096
-"""Texels in a row of the tables (columns.wgsl has the same)."""
+LONGEST_ROW = 13
+"""Texels in a row of the tables are at most 2 to this: WebGPU's smallest limit."""
 
 THREADS = 65535 * 64
 """Along x, of the passes over columns."""
@@ -51,6 +52,8 @@ class ReservoirModel:
         self.surfaces, self.slots = packed.surfaces, packed.slots
         self.column_words, self.column_count = packed.words, len(packed.columns)
         fields, voxels, listed = packed.areal_grid()
+        power = math.ceil(math.log2(max(self.surfaces, len(voxels), len(listed))) / 2)
+        self._row = 1 << min(power, LONGEST_ROW)
         low, high = grid.bounds * (1, 1, exaggeration) - self.center
         self.bounds = np.stack([low, high])
         """(2, 3) in scene space."""
@@ -60,6 +63,8 @@ class ReservoirModel:
             "tolerance": packed.tolerance,
             "extent": float(np.linalg.norm(high - low) / 2),
             "z_range": (low[2], high[2]),
+            "row_power": self._row.bit_length() - 1,
+            "row_mask": self._row - 1,
         }
         self.cells = packed
         self._geometry = {
@@ -77,15 +82,17 @@ class ReservoirModel:
         self.colors: Any = None
 
     def _empty(self, count: int, format: str) -> Any:
-        """A texture for so many texels in rows of :data:`ROW`."""
-        return self.gpu.texture((ROW, max(1, -(-count // ROW))), format, label="reservoir")
+        """A texture for so many texels in rows of one length."""
+        return self.gpu.texture(
+            (self._row, max(1, -(-count // self._row))), format, label="reservoir"
+        )
 
     def _table(self, data: NDArray, format: str) -> Any:
-        """A texture of (n[, channels]) in rows of :data:`ROW`."""
+        """A texture of (n[, channels]) in rows of one length."""
         texture = self._empty(len(data), format)
-        whole = np.zeros((ROW * texture.size[1], *data.shape[1:]), data.dtype)
+        whole = np.zeros((self._row * texture.size[1], *data.shape[1:]), data.dtype)
         whole[: len(data)] = data
-        self.gpu.write_texture(texture, whole.reshape(-1, ROW, *data.shape[1:]))
+        self.gpu.write_texture(texture, whole.reshape(-1, self._row, *data.shape[1:]))
         return texture
 
     @property
