@@ -89,3 +89,19 @@ def test_solids_fill_the_balls_space():
     assert filled[30, 20, 40] == 1 and filled[30, 20, 60] == 0
     filled = solid_fraction([small], np.linalg.inv(world_from_texture), size).astype(float)
     assert filled.sum() / 8 == pytest.approx(4 / 3 * np.pi * 0.2**3, rel=0.02)
+
+
+def test_monte_carlo_sees_surfaces_as_cones_do(renderer):
+    """The spot that a ball leaves on the layer under it, by 32 rays a cone."""
+    changes = {
+        "volume__shadow__on": True,
+        "volume__shading": "none",
+        "volume__light": "monte-carlo",
+        "volume__samples": 32,
+        "volume__occlusion__on": False,
+    }
+    plain = picture(renderer, [slab(1, 4, 10)], [], **changes)
+    below = picture(renderer, [slab(1, 4, 10)], [ball((20, 26, 36), 6)], **changes)
+    row = 63 - int((9 + 2) / 44 * 64)
+    assert below[row, 32] < 0.95 * plain[row, 32]
+    assert below[row, 6] == pytest.approx(plain[row, 6], abs=3)

@@ -25,9 +25,15 @@ struct Truth {
 @group(2) @binding(6) var volume_color: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(7) var volume_depth: texture_storage_2d<r32float, write>;
 
+// 1 where the scene's surfaces fill space
+@group(2) @binding(8) var solids: texture_3d<f32>; // filterable
+
 override OCCLUSION: bool = false;
+override HAS_SOLIDS: bool = false;
 override SHADOWS: bool = false;
 
+// as the pyramid's: an opacity of one would be an infinite extinction
+const MOST_SOLID: f32 = 0.999;
 const LEAST_WEIGHT: f32 = 0.001;
 
 // PCG hash (Jarzynski and Olano 2020) in three dimensions.
@@ -67,10 +73,17 @@ fn transmittance(p: vec3f, direction: vec3f, reach: f32) -> f32 {
     var k = 0.0;
     for (var t = truth.gap; t < end && depth < 9.0; t = truth.gap + k * truth.step) {
         let uvw = origin + t * along;
-        let now = color_at(table_index(value_at(uvw))).w;
+        var now = color_at(table_index(value_at(uvw))).w;
+        if (HAS_SOLIDS) {
+            let solid = textureSampleLevel(solids, trilinear, uvw, 0.0).r;
+            now = max(now, -log(1.0 - min(solid, MOST_SOLID)));
+        }
         depth += select(0.5, 0.0, k == 0.0) * (last + now) * scale;
         last = now;
-        let leap = empty_length(uvw * volume.size, inverse);
+        var leap = 0.0;
+        if (!HAS_SOLIDS) { // which fill blocks that are empty of the volume's own matter
+            leap = empty_length(uvw * volume.size, inverse);
+        }
         // the trapezoids at both ends of a leap need the clear samples next to it
         k += max(1.0, floor(leap / truth.step));
     }

@@ -290,7 +290,8 @@ class VolumePicture:
             draw_paths(record, resources, constants, classified, settings, size, self._sums, same)
             return
         if lighted and settings.light == MONTE_CARLO:
-            constants |= light_constants(settings)
+            constants |= light_constants(settings) | {"HAS_SOLIDS": solids is not None}
+            resources["solids"] = solids or self.grid.texture
             draw_monte_carlo(
                 record, resources, constants, self.grid, settings, size, self._sums, same
             )
