@@ -136,3 +136,19 @@ def test_slices_heed_clipping(gpu):
     clip = Clip((Plane((12, 12, 9.5), (0, 0, -1)),))
     image, _, _ = draw(gpu, solid((20, 24, 24)), chosen, ramp(0.1), size=(8, 8), clip=clip)
     assert image[4, 4, 3] == pytest.approx(1 - 0.9**10, abs=0.01)
+
+
+@pytest.mark.parametrize("light", ["monte-carlo", "image"])
+def test_deep_matter_is_marched_to_its_end(gpu, light):
+    """More iterations than a software adapter grants one invocation: rays go on in pieces."""
+    volume = solid((300, 20, 20))
+    chosen = PLAIN.replace(
+        light=light, step=0.25, samples=4, occlusion__on=True, occlusion__angle=1.0,
+        occlusion__attenuation=1.0, occlusion__length=2.0, constant_exact=True, occlusion__gap=1.75,
+    )  # fmt: skip
+    image, _, _ = draw(gpu, volume, chosen, ramp(0.01), size=(4, 4))
+    assert image[2, 2, 3] == pytest.approx(1 - 0.99**300, abs=2e-3)
+    tau = -math.log(0.99)
+    depth = np.linspace(0, 300, 20001)
+    seen = np.exp(-tau * (depth + np.clip(depth - 1, 0, None)))
+    assert image[2, 2, 0] == pytest.approx(tau * np.trapezoid(seen, depth), rel=0.03)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from scuro.gpu import Recorder
+from scuro.passes.volume.light import MOST_ITERATIONS
 from scuro.reference.volume_sums import RunningSums
 
 if TYPE_CHECKING:
@@ -46,18 +47,31 @@ def draw_monte_carlo(
         key: Everything that the picture depends on but the number of samples.
     """
     shader = "reference/volume_cones.wgsl"
+    reaches = [k.length * grid.diagonal for k in (settings.occlusion, settings.shadow)]
     truth = {
         "sines": [math.sin(math.radians(k.angle)) for k in (settings.occlusion, settings.shadow)],
-        "reaches": [k.length * grid.diagonal for k in (settings.occlusion, settings.shadow)],
+        "reaches": reaches,
         "total": settings.samples,
         "seed": 0,
         "gap": GAP * grid.voxel,
         "step": STEP * grid.voxel,
     }
-    bound = {**resources, "truth": {**truth, "first": 0, "rays": 0}}
-    for first, rays in sums.missing(key, size, settings.samples, RAYS_A_DISPATCH):
-        now = {**truth, "first": first, "rays": rays}
-        bound = {**resources, "truth": now, "sums": sums.buffer}
-        record.compute(shader, "main", size, bound, constants, label="volume truth")
-    bound["sums"] = sums.buffer
-    record.compute(shader, "finish", size, bound, constants, label="volume truth")
+    lights = sum(light["shadow"] >= 0 for light in resources["lights"]["list"])
+    steps = [min(reach, grid.diagonal) / (STEP * grid.voxel) for reach in reaches]
+    a_sample = steps[0] * settings.occlusion.on + steps[1] * lights * settings.shadow.on
+    piece = max(1, int(MOST_ITERATIONS / (RAYS_A_DISPATCH * max(a_sample, 1.0))))
+    pieces = math.ceil(grid.diagonal / (settings.step * grid.voxel) / piece) + 1
+    constants = {**constants, "PIECE": piece}
+    batches = list(sums.missing(key, size, settings.samples, RAYS_A_DISPATCH))
+    bound = {**resources, "sums": sums.buffer}
+    for i in range(pieces):
+        for first, rays in batches:
+            last = first + rays == settings.samples
+            now = {**truth, "first": first, "rays": rays, "piece": i, "last": int(last)}
+            record.compute(
+                shader, "main", size, {**bound, "truth": now}, constants, label="volume truth"
+            )
+    done = {**truth, "first": 0, "rays": 0, "piece": 0, "last": 0}
+    record.compute(
+        shader, "finish", size, {**bound, "truth": done}, constants, label="volume truth"
+    )

@@ -1,6 +1,7 @@
 // The truth for directional occlusion and cone shadows in volumes: many rays through each cone
 // (Campagnolo 2021, equations 3-6 and 3-7), from every sample of every ray of the picture. Each
-// dispatch adds a few rays a sample to the sum; `finish` takes the mean.
+// dispatch adds a few rays a sample to the sum, for a piece of the picture's rays; `finish` takes
+// the mean.
 
 //#include "../passes/volume/march.wgsl"
 //#include "../passes/volume/lit.wgsl"
@@ -14,6 +15,9 @@ struct Truth {
     rays: u32,
     first: u32,
     total: u32,
+    // which piece of the rays, and whether this is its last dispatch
+    piece: u32,
+    last: u32,
     seed: u32,
     // distance of the first sample and between samples, scene units
     gap: f32,
@@ -34,7 +38,6 @@ override SHADOWS: bool = false;
 
 // as the pyramid's: an opacity of one would be an infinite extinction
 const MOST_SOLID: f32 = 0.999;
-const LEAST_WEIGHT: f32 = 0.001;
 
 // PCG hash (Jarzynski and Olano 2020) in three dimensions.
 fn hash3(at: vec3u) -> vec3u {
@@ -99,8 +102,8 @@ fn in_cone(axis: vec3f, sine: f32, random: vec2f) -> vec3f {
 }
 
 fn light_at(point: Point) -> vec3f {
-    if (point.weight < LEAST_WEIGHT) {
-        return lit(point, 1.0, vec3f(1.0));
+    if (!is_due(point)) {
+        return lit(point, latest.x, latest.yzw);
     }
     var to_eye = -point.direction;
     var open = select(1.0, 0.0, OCCLUSION);
@@ -133,6 +136,7 @@ fn light_at(point: Point) -> vec3f {
             shadow[layer] = mean;
         }
     }
+    latest = vec4f(open, shadow);
     return lit(point, open, shadow);
 }
 
@@ -141,12 +145,27 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= march.width || id.y >= march.height) {
         return;
     }
-    let at = id.y * march.width + id.x;
+    let at = 2u * (id.y * march.width + id.x);
+    // what is left through, the next sample's number, distance of half the opacity
+    var state = vec3f(1.0, 0.0, 0.0);
+    if (truth.piece > 0u) {
+        state = sums[at + 1u].xyz;
+    }
+    if (state.y >= ENDED) {
+        return;
+    }
+    piece = state.xy;
     let result = integrate(id.xy);
-    let before = select(vec4f(0.0), sums[at], truth.first > 0u);
-    sums[at] = before + f32(truth.rays) * result.color;
-    let forward = -view_ray(vec2f(id.xy) + 0.5).direction.z;
-    textureStore(volume_depth, id.xy, vec4f(result.t * forward));
+    if (truth.first == 0u && truth.piece == 0u) {
+        sums[at] = vec4f(0.0);
+    }
+    sums[at] += f32(truth.rays) * vec4f(result.color.rgb, 0.0);
+    if (truth.last != 0u) {
+        if (ISOSURFACE) { // has a single sample
+            piece = vec2f(1.0 - result.color.a, ENDED);
+        }
+        sums[at + 1u] = vec4f(piece, max(state.z, result.t), 0.0);
+    }
 }
 
 @compute @workgroup_size(8, 8)
@@ -154,6 +173,9 @@ fn finish(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= march.width || id.y >= march.height) {
         return;
     }
-    let mean = sums[id.y * march.width + id.x] / f32(truth.total);
-    textureStore(volume_color, id.xy, mean);
+    let at = 2u * (id.y * march.width + id.x);
+    let state = sums[at + 1u];
+    textureStore(volume_color, id.xy, whole(sums[at].rgb / f32(truth.total), state.x));
+    let forward = -view_ray(vec2f(id.xy) + 0.5).direction.z;
+    textureStore(volume_depth, id.xy, vec4f(state.z * forward));
 }

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from scuro.passes.volume.classify import Classified
     from scuro.passes.volume.settings import VolumeSettings
 
-PATHS_A_DISPATCH = 4
-"""Paths a pixel in one dispatch: more take longer than some drivers allow a dispatch."""
+PATHS_A_DISPATCH = 1
+"""Paths a pixel in one dispatch: lavapipe ends loops after 65,535 iterations in all, silently."""
 
 GRADIENT = 0.7
 """How much brighter a graded environment is above than in the middle (as reference/path.py's)."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,13 @@ from numpy.typing import NDArray
 from scuro.gpu import Gpu, Recorder
 from scuro.passes.volume.classify import Classified
 from scuro.passes.volume.grid import VolumeGrid
-from scuro.passes.volume.light import LightTexture, cone_kinds, light_constants
+from scuro.passes.volume.light import (
+    MOST_ITERATIONS,
+    LightTexture,
+    cone_kinds,
+    iterations,
+    light_constants,
+)
 from scuro.passes.volume.pyramid import Pyramid
 from scuro.passes.volume.scaling import Scaler, scaled_size, scaled_view
 from scuro.passes.volume.settings import MONTE_CARLO, PATHS, PEERS, SLICES, VolumeSettings
@@ -305,14 +312,7 @@ class VolumePicture:
             draw_slices(record, resources, constants, self.grid, settings, size, buffers)
             return
         if lighted and settings.light == "image":
-            record.compute(
-                "passes/volume/raycast_cones.wgsl",
-                "main",
-                size,
-                resources,
-                {**constants, **light_constants(settings)},
-                label="volume",
-            )
+            self._draw_cones(record, resources, constants | light_constants(settings), settings)
             return
         if lighted:
             texels = LightTexture.texels_for(self.grid, settings)
@@ -327,6 +327,29 @@ class VolumePicture:
             {**constants, "ILLUMINATED": lighted},
             label="volume",
         )
+
+    def _draw_cones(
+        self,
+        record: Recorder,
+        resources: dict[str, Any],
+        constants: dict[str, Any],
+        settings: VolumeSettings,
+    ) -> None:
+        """Record the picture with cones from every sample of every ray."""
+        size = resources["march"]["width"], resources["march"]["height"]
+        piece = max(1, MOST_ITERATIONS // iterations(resources["cones"]["kinds"], resources))
+        samples = self.grid.diagonal / (settings.step * self.grid.voxel)
+        bytes_ = 32 * size[0] * size[1]
+        sums = self._keep("pieces", bytes_, lambda: self.gpu.buffer(bytes_, label="volume pieces"))
+        for i in range(math.ceil(samples / piece)):
+            record.compute(
+                "passes/volume/raycast_cones.wgsl",
+                "main",
+                size,
+                {**resources, "pieces": {"index": i}, "sums": sums},
+                {**constants, "PIECE": piece},
+                label="volume",
+            )
 
     def _no_surface(self) -> Any:
         return self.gpu.texture((1, 1), "rgba32float")

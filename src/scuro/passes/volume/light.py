@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -22,8 +23,14 @@ MARK_SCALE = 2
 LISTED_A_ROW = 65536
 """Threads along x of the pass that lists bricks."""
 
+LEAST_LIGHT = math.exp(-6)
+"""Share of light below which cones are not followed farther."""
+
+MOST_ITERATIONS = 50_000
+"""Iterations of loops in one invocation: lavapipe ends every loop after 65,535 in all, silently."""
+
 LIGHT_GROUPS = 1024
-"""Workgroups that share the bricks to light."""
+"""Workgroups that share the bricks to light, if that is not too much for one."""
 
 
 def cone_kinds(
@@ -50,11 +57,29 @@ def cone_kinds(
                 "attenuation": chosen.attenuation,
                 "reach": chosen.length * grid.diagonal,
                 "parts": sections.parts,
-                "pad": 0,
+                "correlation": chosen.correlation,
+                "opaque": largest_depth(chosen.correlation),
                 "sections": sections.table,
             }
         )
     return kinds
+
+
+def largest_depth(correlation: float) -> float:
+    """Optical depth beyond which less light than :data:`LEAST_LIGHT` gets through a cone."""
+    if correlation == 0:
+        return -math.log(LEAST_LIGHT)
+    return (LEAST_LIGHT**-correlation - 1) / correlation
+
+
+def iterations(kinds: list[dict[str, Any]], resources: Mapping[str, Any]) -> int:
+    """Iterations of loops, at most, for the light of one point: of cones, or of peers' steps."""
+    lights = sum(light["shadow"] >= 0 for light in resources["lights"]["list"])
+    counts = [sum(n * k for n, k in zip(kind["counts"], (1, 3, 7), strict=True)) for kind in kinds]
+    # peers take a step a voxel near the apex of narrow cones
+    counts = [max(n, int(kind["reach"] / resources["volume"]["voxel"]))
+              for n, kind in zip(counts, kinds, strict=True)]  # fmt: skip
+    return 32 + counts[0] + lights * counts[1]
 
 
 def light_constants(settings: VolumeSettings) -> dict[str, Any]:
@@ -126,7 +151,9 @@ class LightTexture:
         record.clear_buffer(self._wanted)
         threads = (LISTED_A_ROW, -(-count // LISTED_A_ROW))
         record.compute(shader, "list_bricks", threads, resources, chosen, label="volume marks")
-        threads = (BRICK * min(LIGHT_GROUPS, count), BRICK, BRICK)
+        most = MOST_ITERATIONS // iterations(resources["cones"]["kinds"], resources)
+        groups = max(min(LIGHT_GROUPS, count), min(-(-count // max(most, 1)), 65535))
+        threads = (BRICK * groups, BRICK, BRICK)
         record.compute(shader, "main", threads, resources, chosen, label="volume light")
 
     def _mark(

@@ -4,6 +4,12 @@
 
 //#include "rays.wgsl"
 
+// Slow shaders march a ray in pieces of so many samples that are shaded; 0 for all at once. What is
+// left through and the next sample's number go from piece to piece; a ray's end has no next sample.
+override PIECE: u32 = 0u;
+var<private> piece: vec2f = vec2f(1.0, 0.0);
+const ENDED: f32 = 1e9;
+
 struct Result {
     // premultiplied linear color, opacity
     color: vec4f,
@@ -26,9 +32,11 @@ fn integrate(pixel: vec2u) -> Result {
     let inverse = 1.0 / select(direction * volume.size, vec3f(1e-20), abs(direction) < vec3f(1e-20));
     let start = span.near + volume.step * start_shift(pixel);
     var color = vec3f(0.0);
-    var through = 1.0;
+    var through = piece.x;
     var seen = 0.0;
-    var k = 0.0;
+    var k = piece.y;
+    var shaded = 0u;
+    piece.y = ENDED;
     loop {
         // to the next sample that is not clear: an inner loop, so that groups of lanes with
         // nothing to shade do not run through the shading
@@ -74,11 +82,26 @@ fn integrate(pixel: vec2u) -> Result {
             break;
         }
         k += 1.0;
+        if (PIECE > 0u) {
+            shaded += 1u;
+            if (shaded == PIECE) {
+                piece.y = k;
+                break;
+            }
+        }
     }
+    if (PIECE > 0u) {
+        piece.x = through;
+        return Result(vec4f(color, 1.0 - through), seen);
+    }
+    return Result(whole(color, through), seen);
+}
+
+// What the cut-off left is spread over what was seen, so that opaque things are opaque.
+fn whole(color: vec3f, through: f32) -> vec4f {
     let opacity = 1.0 - through;
-    // what the cut-off left is spread over what was seen, so that opaque things are opaque
     let full = select(1.0, 1.0 / max(opacity, 1e-6), through < march.cutoff);
-    return Result(vec4f(color, opacity) * full, seen);
+    return vec4f(color, opacity) * full;
 }
 
 fn find_isosurface(ray: Ray, span: Crossing, end: f32, pixel: vec2u) -> Result {

@@ -16,14 +16,13 @@ struct Bricks {
 
 // edge of a brick in texels (illuminate.wgsl has the same)
 const BRICK: u32 = 4u;
-const LEAST_WEIGHT: f32 = 0.001;
 
 fn mark(brick: vec3u) {
     marks[(brick.z * bricks.height + brick.y) * bricks.width + brick.x] = 1u;
 }
 
 fn light_at(point: Point) -> vec3f {
-    if (point.weight >= LEAST_WEIGHT) {
+    if (is_due(point)) {
         // neighboring rays, which are not cast, may read a texel farther than this one
         let at = light_place(point, vec3f(bricks.size)) * vec3f(bricks.size) - 0.5;
         let last = vec3f(bricks.size) - 1.0;

@@ -23,7 +23,7 @@ fn voxel_cone_transparency(kind: u32, apex: vec3f, axis: vec3f, limit: f32) -> f
     let direction = texture_direction(axis) * volume.voxel;
     var depth = 0.0;
     var d = cones.kinds[kind].starts.x;
-    for (; d < end && depth < OPAQUE;) {
+    for (; d < end && depth < cones.kinds[kind].opaque;) {
         let width = max(2.0 * d * cones.kinds[kind].tangent, 1.0);
         let uvw = origin + (d + 0.5 * width) * direction;
         let inside = all(uvw == clamp(uvw, vec3f(0.0), vec3f(1.0)));
@@ -61,7 +61,7 @@ fn summed_area_transparency(kind: u32, apex: vec3f, axis: vec3f, limit: f32) -> 
     let scale = volume.size / volume.edges;
     var depth = 0.0;
     var d = cones.kinds[kind].starts.x;
-    for (; d < end && depth < OPAQUE;) {
+    for (; d < end && depth < cones.kinds[kind].opaque;) {
         let width = max(2.0 * d * cones.kinds[kind].tangent, 1.0);
         let middle = (origin + (d + 0.5 * width) * direction) * volume.size;
         let half = max(0.5 * width * scale, vec3f(0.5));

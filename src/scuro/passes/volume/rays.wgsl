@@ -63,3 +63,16 @@ fn light_place(point: Point, texels: vec3f) -> vec3f {
     let outward = texture_direction(point.cut_normal);
     return point.uvw + outward / max(length(outward * texels), 1e-12);
 }
+
+// Light is worked out anew when so much of the picture has been added since the last time: samples
+// that matter little are not worth a cone each, but many of them are.
+const LEAST_WEIGHT: f32 = 0.001;
+var<private> pending: f32 = LEAST_WEIGHT;
+var<private> latest: vec4f = vec4f(1.0);
+
+fn is_due(point: Point) -> bool {
+    pending += point.weight;
+    let due = pending >= LEAST_WEIGHT;
+    pending = select(pending, 0.0, due);
+    return due;
+}

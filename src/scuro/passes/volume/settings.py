@@ -30,6 +30,10 @@ class VolumeOcclusionSettings(SettingsGroup):
     cones: int = setting(3, "cones after splitting: 1, 3 or 7", check=_split)
     gap: float = setting(3.0, "first sample's distance, in sigmas", low=0.1, high=50)
     attenuation: float = setting(0.35, "global factor on what is met", low=0, high=2)
+    correlation: float = setting(
+        0.0, "how unlike a cone's rays are: 0 all alike, as in the thesis; 1 suits opaque matter",
+        low=0, high=4,
+    )  # fmt: skip
     slice_angle: float | None = setting(
         None, "half-angle for 'slices', whose cones are others (default: angle)", low=0.1, high=85,
         unit="deg",
@@ -45,6 +49,7 @@ class VolumeShadowSettings(SettingsGroup):
     cones: int = setting(1, "cones after splitting: 1, 3 or 7", check=_split)
     gap: float = setting(3.0, "first sample's distance, in sigmas", low=0.1, high=50)
     attenuation: float = setting(1.0, "global factor on what is met", low=0, high=2)
+    correlation: float = setting(0.0, "as for occlusion", low=0, high=4)
 
 
 class VolumePathSettings(SettingsGroup):
