@@ -15,7 +15,8 @@ from scuro.load import load
 from scuro.load.mesoscale_bcif import expand_operators
 from scuro.load.mesoscale_structures import unit_quaternions
 from scuro.load.mesoscale_table import save_table
-from scuro.scene.generate import GenerateSettings, generate, upright
+from scuro.scene.generate import GenerateSettings, generate
+from scuro.scene.generate_parts import upright
 from scuro.scene.geometry import rotation_matrices
 from scuro.scene.model import Structure
 from scuro.scene.sphere import fibonacci_sphere

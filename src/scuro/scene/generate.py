@@ -1,7 +1,8 @@
 """Plausible cell-scale scenes of any size, for tests and for scaling.
 
 Nested spherical compartments: each has a membrane of lipids with proteins in it, an interior
-filled without overlaps of the structures' bounding spheres (on a lattice), and one fibre
+filled without overlaps of the structures' bounding spheres (on a turned and shaken lattice of the
+densest packing), and one fibre
 that wanders inside. Seeded: the same call gives the same scene.
 """
 
@@ -13,22 +14,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
+from scuro.scene.generate_parts import (
+    FIBRE_STEP,
+    LEAFLET,
+    PATCH_AREA,
+    fibre,
+    lipid_patch,
+    upright,
+)
+from scuro.scene.geometry import rotation_matrices
 from scuro.scene.model import Ingredient, MesoscaleModel, Part, Structure
 from scuro.scene.sphere import fibonacci_sphere
 from scuro.settings import SettingsGroup, setting
 
-LIPID_AREA = 65.0
-"""Å² of membrane for each lipid of a leaflet."""
-LEAFLET = 25.0
-"""Å: thickness of one of the membrane's two leaflets."""
-PATCH_RADIUS = 48.0
-"""Å: membranes are tiled with round patches of this size, which overlap a little."""
-PATCH_AREA = 0.72 * np.pi * PATCH_RADIUS**2
-"""Å² of membrane for each patch: a round patch must reach the corners of its cell."""
 PROTEIN_SHARE = 0.15
 """Proteins in a membrane, as a share of those that would just fit side by side."""
-FIBRE_STEP = 34.0
-"""Å: one turn of a double helix."""
+
+
+ROOM = 1.08
+"""Distance of lattice places, in diameters of the largest structure: the rest is for shaking."""
 
 
 class GenerateSettings(SettingsGroup):
@@ -72,7 +76,7 @@ def generate(
     if settings.fibre:
         reach = radius * _shrink(settings.compartments - 1) - 3 * LEAFLET
         if reach > FIBRE_STEP:
-            ingredients.append(_fibre((*place, "interior"), reach, rng))
+            ingredients.append(fibre((*place, "interior"), reach, rng))
     return MesoscaleModel("generated", tuple(ingredients))
 
 
@@ -103,7 +107,8 @@ def _reach(structure: Structure) -> float:
 def _radius_for(structures: Sequence[Structure], settings: GenerateSettings) -> float:
     """Radius of the outermost compartment for the number of atoms wanted, by bisection."""
     spacing = _spacing(structures)
-    density = settings.filling * np.mean([len(s) for s in structures]) / spacing**3
+    seats = np.sqrt(2) / (ROOM * spacing) ** 3
+    density = float(settings.filling * seats * np.mean([len(s) for s in structures]))
     area = 0.0
     if settings.lipids:
         patch = lipid_patch(np.random.default_rng(settings.seed))
@@ -134,7 +139,9 @@ def _interior(
     rng: np.random.Generator,
 ) -> list[Ingredient]:
     """Structures on a lattice with a random offset, between two radii."""
-    points = _shell_lattice(low, high, _spacing(structures), rng)
+    spacing = _spacing(structures)
+    points = _shell_lattice(low, high, ROOM * spacing, rng)
+    points += (ROOM - 1) / 2 * spacing * _in_ball(len(points), rng)
     points = points[rng.random(len(points)) < settings.filling]
     which = rng.integers(0, len(structures), len(points))
     return [
@@ -151,28 +158,49 @@ def _name(structures: Sequence[Structure], k: int) -> str:
 
 
 def _shell_lattice(
-    low: float, high: float, spacing: float, rng: np.random.Generator
+    low: float, high: float, nearest: float, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Points (n, 3) of a cubic lattice with a random offset, between two radii, slab by slab."""
-    offset = rng.random(3) * spacing
-    axis = np.arange(-np.ceil(high / spacing) - 1, np.ceil(high / spacing) + 1) * spacing
-    slabs = []
-    for z in axis + offset[2]:
-        reach2 = high**2 - z**2
-        if reach2 <= 0:
+    """Points (n, 3) of a face-centred cubic lattice, turned at random, between two radii.
+
+    Layer by layer: three squares of points, shifted by half a cell each way.
+    """
+    turn = rotation_matrices(_random_turns(1, rng))[0].T
+    cell = np.sqrt(2) * nearest
+    offset = rng.random(3) * cell
+    axis = np.arange(-np.ceil(high / cell) - 1, np.ceil(high / cell) + 1) * cell
+    layers = []
+    for half in range(2 * len(axis)):
+        z = axis[0] + half * cell / 2 + offset[2]
+        if z**2 >= high**2:
             continue
-        y, x = np.meshgrid(axis + offset[1], axis + offset[0], indexing="ij")
-        flat2 = x**2 + y**2
-        keep = (flat2 <= reach2) & (flat2 + z**2 >= low**2)
-        slabs.append(np.stack([x[keep], y[keep], np.full(keep.sum(), z)], axis=1))
-    return np.concatenate(slabs) if slabs else np.zeros((0, 3))
+        flat = []
+        for shift in ((0.0, 0.0), (0.5, 0.5)) if half % 2 == 0 else ((0.5, 0.0), (0.0, 0.5)):
+            x, y = np.meshgrid(
+                axis + offset[0] + shift[0] * cell, axis + offset[1] + shift[1] * cell
+            )
+            flat.append(np.stack([x.ravel(), y.ravel(), np.full(x.size, z)], axis=1))
+        points = np.concatenate(flat)
+        square = (points**2).sum(axis=1)
+        layers.append(points[(square <= high**2) & (square >= low**2)])
+    return np.concatenate(layers) @ turn if layers else np.zeros((0, 3))
+
+
+def _in_ball(count: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Points (count, 3) spread evenly over the unit ball."""
+    directions = rng.standard_normal((count, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return directions * np.cbrt(rng.random((count, 1)))
+
+
+def _random_turns(count: int, rng: np.random.Generator) -> NDArray[np.float32]:
+    """Quaternions (count, 4), uniform over all rotations."""
+    q = rng.standard_normal((count, 4))
+    return (q / np.linalg.norm(q, axis=1, keepdims=True)).astype(np.float32)
 
 
 def _part(structure: Structure, positions: NDArray[np.float64], rng: np.random.Generator) -> Part:
     """Instances turned at random, uniformly over all rotations."""
-    q = rng.standard_normal((len(positions), 4))
-    q /= np.linalg.norm(q, axis=1, keepdims=True)
-    return Part(structure, q.astype(np.float32), positions)
+    return Part(structure, _random_turns(len(positions), rng), positions)
 
 
 def _membrane(
@@ -214,97 +242,3 @@ def _farther_than(points: NDArray, centers: NDArray, distance: float) -> NDArray
             for i in range(0, len(points), rows)
         ]
     )
-
-
-def lipid_patch(rng: np.random.Generator) -> Structure:
-    """A round, flat piece of bilayer across z = 0, each lipid a chain of 22 coarse spheres."""
-    side = np.sqrt(LIPID_AREA)
-    axis = np.arange(-np.ceil(PATCH_RADIUS / side), np.ceil(PATCH_RADIUS / side) + 1) * side
-    x, y = (a.ravel() for a in np.meshgrid(axis, axis))
-    seats = np.stack([x, y], axis=1)[x**2 + y**2 <= PATCH_RADIUS**2]
-    shape = _lipid()
-    atoms = []
-    for sign in (1.0, -1.0):
-        places = seats + rng.normal(0, 0.15 * side, seats.shape)
-        turn = rng.random(len(places)) * 2 * np.pi
-        c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
-        copies = np.empty((len(places), len(shape), 4))
-        copies[..., 0] = c * shape[:, 0] - s * shape[:, 1] + places[:, :1]
-        copies[..., 1] = s * shape[:, 0] + c * shape[:, 1] + places[:, 1:]
-        copies[..., 2] = sign * shape[:, 2] + rng.normal(0, 0.8, (len(places), 1))
-        copies[..., 3] = shape[:, 3]
-        atoms.append(copies)
-    lipids = np.concatenate(atoms)
-    chain = np.repeat(np.arange(len(lipids), dtype=np.int32), len(shape))
-    return Structure(
-        "lipid patch",
-        lipids.reshape(-1, 4).astype(np.float32),
-        np.zeros(len(chain), np.uint8),
-        chain,
-        chain,
-        tuple(f"lipid {i + 1}" for i in range(len(lipids))),
-    ).centered
-
-
-def _lipid() -> NDArray[np.float64]:
-    """(22, 4): head group and two tails of a lipid of the upper leaflet."""
-    head = [[0, 0, z, 2.4] for z in (LEAFLET - 2.4, LEAFLET - 5.0)]
-    tails = [
-        [x + 0.6 * (-1) ** i, 0, LEAFLET - 7.5 - 1.7 * i, 1.9]
-        for x in (-2.2, 2.2)
-        for i in range(10)
-    ]
-    return np.array(head + tails)
-
-
-def upright(normals: NDArray, rng: np.random.Generator) -> NDArray[np.float32]:
-    """Quaternions (n, 4) that turn z to the normals (n, 3), with a random turn about z first."""
-    n = np.asarray(normals, np.float64)
-    # half-way quaternion from z to n; opposite vectors turn about x
-    q = np.stack([-n[:, 1], n[:, 0], np.zeros(len(n)), 1 + n[:, 2]], axis=1)
-    q[1 + n[:, 2] < 1e-6] = 1, 0, 0, 0
-    q /= np.linalg.norm(q, axis=1, keepdims=True)
-    half = rng.random(len(n)) * np.pi
-    s, c = np.sin(half), np.cos(half)
-    x, y, z, w = q.T
-    return np.stack([x * c + y * s, y * c - x * s, w * s + z * c, w * c - z * s], axis=1).astype(
-        np.float32
-    )
-
-
-def _fibre(place: tuple[str, ...], reach: float, rng: np.random.Generator) -> Ingredient:
-    """A double helix along a random walk: one instance for each turn of it."""
-    points = _wander(reach, rng)
-    along = np.diff(points, axis=0)
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
-    part = Part(_helix_turn(), upright(along, rng), (points[:-1] + points[1:]) / 2)
-    return Ingredient((*place, "fibre"), (part,))
-
-
-def _helix_turn() -> Structure:
-    """Ten base pairs of a coarse double helix along z: two strands and a core."""
-    step = np.arange(10)
-    z = FIBRE_STEP * ((step + 0.5) / 10 - 0.5)
-    turn = 2 * np.pi * step / 10
-    strands = [
-        np.stack([9 * np.cos(turn + a), 9 * np.sin(turn + a), z, np.full(10, 3.6)], axis=1)
-        for a in (0.0, 2.4)
-    ]
-    core = np.stack([0 * z, 0 * z, z, np.full(10, 6.0)], axis=1)
-    return Structure.of_spheres("fibre", np.concatenate([*strands, core]))
-
-
-def _wander(reach: float, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Points (m, 3) of a walk with random turns that stays within ``reach`` of the origin."""
-    points = max(8, min(4000, int(8 * reach / FIBRE_STEP)))
-    kicks = rng.standard_normal((points, 3))
-    place, heading = np.zeros(3), np.array([1.0, 0.0, 0.0])
-    curve = np.empty((points, 3))
-    for i in range(points):
-        home = -2 * place / reach * (np.linalg.norm(place) / reach) ** 4
-        heading = heading + 0.45 * kicks[i] + home
-        heading /= np.linalg.norm(heading)
-        place = place + FIBRE_STEP * heading
-        place *= min(1.0, reach / np.linalg.norm(place))
-        curve[i] = place
-    return curve
