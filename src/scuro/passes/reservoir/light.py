@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,11 +14,13 @@ from scuro.passes.frame import Frame
 from scuro.passes.reservoir.model import ReservoirModel, texture_bytes
 from scuro.passes.reservoir.resample import Resampled, cubic_size
 from scuro.passes.reservoir.settings import StrategySettings
+from scuro.passes.volume.classify import Classified
 from scuro.passes.volume.draw import VolumePicture
 from scuro.passes.volume.light import BRICK, LightTexture
 from scuro.passes.volume.pyramid import Pyramid
 from scuro.passes.volume.settings import VolumeSettings
 from scuro.scene.clip import Clip
+from scuro.scene.geometry import Body
 from scuro.scene.scene import Scene
 from scuro.scene.volume import Volume
 from scuro.style.transfer import TransferFunction
@@ -76,6 +79,15 @@ class ReservoirLight:
             self._marks = model.gpu.buffer(marks, label="bricks with matter")
         return self._transfer[1]
 
+    def coefficients(
+        self, settings: VolumeSettings, shown: TransferFunction, clip: Clip, bodies: Sequence[Body]
+    ) -> tuple[Classified, Pyramid]:
+        """The grid seen through a transfer function, and its pyramid of extinction coefficients."""
+        classified = self.picture.classified(self.transfer(shown), settings)
+        solids = self.picture.solids(bodies)
+        self._pyramid = self.picture.pyramid(classified, settings, clip, solids)
+        return classified, self._pyramid
+
     def draw(
         self, frame: Frame, scene: Scene, strategy: StrategySettings, shown: TransferFunction,
         clip: Clip,
@@ -84,18 +96,16 @@ class ReservoirLight:
 
         Surfaces in the scene stand in the cones' way, too.
         """
-        settings = self._settings(frame, strategy)
+        settings = light_settings(frame.settings.volume, strategy)
         picture = self.picture
-        classified = picture.classified(self.transfer(shown), settings)
+        classified, pyramid = self.coefficients(settings, shown, clip, scene.bodies())
         resources = {
             **classified.resources(),
             "view": frame.resources["view"],
             "lights": self._lights(frame, scene, strategy),
             "volume": picture.uniform(settings, clip, classified),
+            **picture.cones(settings, pyramid, clip),
         }
-        solids = picture.solids(scene.bodies())
-        self._pyramid = picture.pyramid(classified, settings, clip, solids)
-        resources |= picture.cones(settings, self._pyramid, clip)
         texels = LightTexture.texels_for(picture.grid, settings)
         if self._texture is None or self._texture.texels != texels:
             self._texture = LightTexture(self.model.gpu, texels)
@@ -112,7 +122,7 @@ class ReservoirLight:
         out = frame.target("surface_light", "r32float")
         self.picture.light_surfaces(
             frame.recorder,
-            self._settings(frame, strategy),
+            light_settings(frame.settings.volume, strategy),
             self.transfer(shown),
             view=frame.resources["view"],
             lights=self._lights(frame, scene, strategy),
@@ -123,21 +133,23 @@ class ReservoirLight:
         )
         return out
 
-    def _settings(self, frame: Frame, strategy: StrategySettings) -> VolumeSettings:
-        return frame.settings.volume.replace(
-            light="object",
-            light_all=True,
-            light_resolution=1.0,
-            coefficients=1,
-            iso=None,
-            occlusion__on=strategy.occlusion,
-            shadow__on=strategy.shadow,
-        )
-
     def _lights(self, frame: Frame, scene: Scene, strategy: StrategySettings) -> dict[str, Any]:
         lighting = lighting_of(frame.settings.lighting, scene.lighting)
         center = self.model.center
         return lights_uniform(lighting, frame.camera, center, shadows=strategy.shadow)
+
+
+def light_settings(volume: VolumeSettings, strategy: StrategySettings) -> VolumeSettings:
+    """Settings of volumes for the grid of a reservoir's matter: all of its light beforehand."""
+    return volume.replace(
+        light="object",
+        light_all=True,
+        light_resolution=1.0,
+        coefficients=1,
+        iso=None,
+        occlusion__on=strategy.occlusion,
+        shadow__on=strategy.shadow,
+    )
 
 
 def bricks_with(matter: NDArray[np.bool_]) -> NDArray[np.uint32]:

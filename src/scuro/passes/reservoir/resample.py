@@ -14,6 +14,7 @@ MOST_TEXELS = 24_000_000
 """Finer grids are made coarser until they fit what every device binds at once."""
 
 
+MOST_A_CELL = 4
 MOST_FLAT = 8
 """Texels at least along the shortest side."""
 
@@ -75,8 +76,11 @@ class Resampled:
 
 
 def cubic_size(model: ReservoirModel, longest: int) -> tuple[int, int, int]:
-    """Texels along x, y, z that are as good as cubes, so many of them along the longest side."""
+    """Texels along x, y, z that are as good as cubes: so many along the longest side, or fewer
+    where that would be more than :data:`MOST_A_CELL` along a column's side."""
     extent = model.bounds[1] - model.bounds[0]
+    column = float(model.mean_extents[:2].min())
+    longest = min(longest, int(np.ceil(MOST_A_CELL * extent.max() / column)))
     nx, ny, nz = np.maximum(np.ceil(extent / extent.max() * longest), MOST_FLAT).astype(int)
     return int(nx), int(ny), int(nz)
 

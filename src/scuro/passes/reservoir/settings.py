@@ -32,7 +32,7 @@ class StrategySettings(SettingsGroup):
     )
     light_resolution: int = setting(
         160,
-        "voxels of the grid in which light is worked out, along the model's longest side",
+        "most voxels of the grid in which light is worked out, along the model's longest side",
         low=16,
         high=512,
     )
