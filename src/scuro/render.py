@@ -171,7 +171,7 @@ class Renderer:
         """Record what makes ``color``: geometry, occlusion, shadow, compose, post."""
         settings = with_implied(settings)
         frame = self._begun(scene, camera, settings, part)
-        if accumulate and not part.eye:
+        if accumulate and not part.eye and settings.renderer != "path":
             frame.history = self.history
             view = frame.resources["view"]
             view["frame"] = self.history.begin(view, frame.size)
@@ -182,10 +182,10 @@ class Renderer:
             draw_occlusion(frame)
             draw_shadows(frame)
             shade(frame)
-            if frame.history is not None:
-                frame.history.end(frame)
         else:
             shade_semantic(frame, scene.hierarchy(settings.semantic.parts))
+        if frame.history is not None:
+            frame.history.end(frame)
         draw_attention(frame, scene)
         self._volumes.draw(frame, scene)
         self.reservoirs.draw(frame, scene)

@@ -52,8 +52,8 @@ def test_every_pass_of_the_semantic_pipeline_can_be_read(image):
 def test_unknown_names_and_channels_are_said(image):
     with pytest.raises(SettingsError, match="did you mean 'regions'"):
         image.buffer("region")
-    with pytest.raises(SettingsError, match="channels x, y, not 'w'"):
-        image.buffer("regions.w")
+    with pytest.raises(SettingsError, match="channels x, y, z, w, not 'q'"):
+        image.buffer("regions.q")
 
 
 def test_pictures_of_buffers():

@@ -363,3 +363,29 @@ def test_halton_points_are_radical_inverses():
     np.testing.assert_allclose(found[:, 0], [1 / 2, 1 / 4, 3 / 4, 1 / 8, 5 / 8, 3 / 8])
     np.testing.assert_allclose(found[:3, 1], [1 / 3, 2 / 3, 1 / 9], rtol=1e-6)
     np.testing.assert_array_equal(halton_points(4, 3), halton_points(1, 6)[3:])
+
+
+@pytest.mark.parametrize("mode", ["screen", "traced"])
+def test_frames_of_a_resting_camera_are_one_frame_of_all_their_samples(renderer, mode):
+    scene = plate_under_plate(("root", "B", "lid"))
+    few = settings_of(mode=mode, samples=4, rays=4, blur_occlusion=0)
+
+    def accumulated(camera: Camera, settings: Settings) -> np.ndarray:
+        frame = renderer.frame(scene, camera, settings, accumulate=True)
+        frame.recorder.submit()
+        return renderer.gpu.read_texture(frame.resources["gathered"])
+
+    renderer.restart()
+    for _ in range(8):
+        mean = accumulated(CAMERA, few)
+    many = settings_of(mode=mode, samples=32, rays=32, blur_occlusion=0)
+    (at_once,) = buffers(renderer, scene, CAMERA, many, "gathered")
+    np.testing.assert_allclose(mean, at_once, atol=2e-3)
+    # a moved camera and other settings start anew: as far from the truth as a frame alone
+    moved = Camera((0, 5, 60), (0, 0, 0), (0, 1, 0), 30)
+    for camera, changes in ((moved, {}), (moved, {"semantic__far_radius": 0.05})):
+        first = accumulated(camera, few.replace(**changes))
+        (truth,) = buffers(renderer, scene, camera, many.replace(**changes), "gathered")
+        (alone,) = buffers(renderer, scene, camera, few.replace(**changes), "gathered")
+        there = truth[..., 3] > 0
+        assert np.abs(first - truth)[there].mean() < 1.3 * np.abs(alone - truth)[there].mean()

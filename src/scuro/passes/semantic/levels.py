@@ -138,3 +138,9 @@ def atom_radius(frame: Frame) -> float:
     """Median radius of spheres and rods; a small share of a scene that has none."""
     scene = frame.accelerator
     return scene.primitive_radius or scene.extent / 500
+
+
+def depth_limit(frame: Frame) -> float:
+    """Difference of depths, scene units, beyond which pixels show different surfaces."""
+    settings: SemanticSettings = frame.settings.semantic
+    return settings.blur_depth * distance_of(frame, settings)

@@ -15,12 +15,14 @@ from scuro.passes.frame import Frame
 from scuro.passes.semantic.levels import (
     Place,
     atom_radius,
+    depth_limit,
     distance_of,
     levels_uniform,
     place,
     region_table,
 )
 from scuro.passes.semantic.settings import SemanticSettings
+from scuro.passes.semantic.smooth import rested, smoothed
 from scuro.scene.regions import Hierarchy
 from scuro.style.hierarchy import hierarchy_colors
 from scuro.trace.table import float_table
@@ -59,10 +61,15 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
         _occlude(frame, settings, calm, near, bounce)
         if shadow > 0:
             _shadow(frame, settings, calm, shadow)
+    frames = rested(frame)
+    samples = settings.rays if settings.mode == "traced" else settings.samples
     occlusion = {
-        "gathered": _blurred(frame, calm, "gathered", settings.blur_occlusion),
-        "bounce": _blurred(frame, calm, "bounce", settings.blur_bounce if bounce > 0 else 0),
-        "lit": _blurred(frame, calm, "lit", settings.blur_shadow if shadow > 0 else 0),
+        name: smoothed(frame, calm, name, amount, frames, samples)
+        for name, amount in (
+            ("gathered", settings.blur_occlusion),
+            ("bounce", settings.blur_bounce if bounce > 0 else 0),
+            ("lit", settings.blur_shadow if shadow > 0 else 0),
+        )
     }
     frame.target("color", "rgba16float", clear=_EMPTY)
     frame.compute_tiles("passes/semantic/combine.wgsl", occlusion, label="combine")
@@ -102,7 +109,7 @@ def _calm(frame: Frame, settings: SemanticSettings) -> Any:
             "step": step,
             "reach": settings.calm,
             "atom": atom,
-            "depth_limit": _depth_limit(frame, settings),
+            "depth_limit": depth_limit(frame),
         }
         calmed = frame.target(name, "rgba32float", clear=_EMPTY)
         frame.compute_tiles(
@@ -186,30 +193,3 @@ def _shadow(frame: Frame, settings: SemanticSettings, calm: dict[str, Any], shar
         "strength": share,
     }
     frame.compute_tiles("passes/semantic/shadow.wgsl", calm | {"shadow": shadow})
-
-
-def _blurred(frame: Frame, calm: dict[str, Any], name: str, amount: int) -> Any:
-    """A buffer after Algorithm 3, along x and then along y."""
-    settings: SemanticSettings = frame.settings.semantic
-    source = frame.resources[name]
-    if amount == 0:
-        return source
-    for step, target in (((1, 0), f"{name}_x"), ((0, 1), f"{name}_blurred")):
-        blur = {
-            "step": step,
-            "amount": round(amount * frame.scale * frame.settings.px),
-            "depth_limit": _depth_limit(frame, settings),
-            "normal_limit": settings.blur_normal,
-        }
-        blurred = frame.target(target, "rgba16float", clear=_EMPTY)
-        frame.compute_tiles(
-            "passes/semantic/blur.wgsl",
-            calm | {"blur": blur, "source": source, "blurred": blurred},
-            label=f"blur {name}",
-        )
-        source = blurred
-    return source
-
-
-def _depth_limit(frame: Frame, settings: SemanticSettings) -> float:
-    return settings.blur_depth * distance_of(frame, settings)
