@@ -23,14 +23,11 @@ from scuro.passes.part import Part, split
 from scuro.passes.part import bands as split_bands
 from scuro.passes.post.antialias import FILTER_RADIUS, filter_down
 from scuro.passes.post.attention import draw_attention
-from scuro.passes.post.borders import borders_reach, draw_borders
+from scuro.passes.post.cues import cues_reach, draw_cues
 from scuro.passes.post.focus import draw_focus, focus_reach
-from scuro.passes.post.fog import draw_fog
 from scuro.passes.post.fxaa import draw_fxaa
-from scuro.passes.post.halos import draw_halos, halos_reach
 from scuro.passes.post.naming import draw_labels
 from scuro.passes.post.stereo import eye_camera, eye_size, join_eyes, keep_left_eye
-from scuro.passes.post.toon import draw_toon
 from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
 from scuro.passes.shadow.shadow import draw_shadows
@@ -189,10 +186,7 @@ class Renderer:
         draw_attention(frame, scene)
         self._volumes.draw(frame, scene)
         self.reservoirs.draw(frame, scene)
-        draw_toon(frame)
-        draw_fog(frame)
-        draw_halos(frame)
-        draw_borders(frame)
+        draw_cues(frame)
         draw_focus(frame, scene)
         draw_fxaa(frame)
         filter_down(frame)
@@ -221,7 +215,6 @@ class Renderer:
             dict(resources),
             dict(constants),
             scale,
-            borders_reach(settings.borders, scale * settings.px),
         )
         lighting = lighting_of(settings.lighting, scene.lighting)
         frame.resources["view"] = view_uniform(
@@ -250,8 +243,7 @@ class Renderer:
         settings = with_implied(settings)
         margin = (
             _SCREEN_SPACE / settings.antialias.scale
-            + borders_reach(settings.borders, settings.px)
-            + halos_reach(settings.halos, settings.px)
+            + cues_reach(settings, settings.px)
             + focus_reach(settings.depth_of_field, settings.px)
             + FILTER_RADIUS
         )

@@ -35,6 +35,8 @@ class Binding:
     type: str
     filterable: bool
     """Whether a float texture is declared ``// filterable``."""
+    nearest: bool
+    """Whether a sampler is declared ``// nearest``: it suits textures that are not filterable."""
 
     def layout(self) -> dict:
         """The entry of a bind group layout, but for ``binding`` and ``visibility``."""
@@ -45,7 +47,7 @@ class Binding:
             writes = "read_write" in self.space
             return {"buffer": {"type": "storage" if writes else "read-only-storage"}}
         if kind == "sampler":
-            return {"sampler": {"type": "filtering"}}
+            return {"sampler": {"type": "non-filtering" if self.nearest else "filtering"}}
         if kind == "sampler_comparison":
             return {"sampler": {"type": "comparison"}}
         if m := re.fullmatch(r"texture_storage_(\w+?)<\s*(\w+)\s*,\s*(\w+)\s*>", kind):
@@ -115,6 +117,7 @@ def parse(text: str, file: str, lines: tuple[tuple[str, int], ...]) -> Source:
             re.sub(r"\s+", " ", m.group(3) or "").strip(),
             m.group(5),
             "// filterable" in m.group(6),
+            "// nearest" in m.group(6),
         )
         for m in _BINDING.finditer(text)
     )

@@ -82,8 +82,8 @@ class Frame:
     constants: dict[str, float] = field(default_factory=dict)
     scale: int = 1
     """Samples along the edge of an output pixel."""
-    margin: float = 0.0
-    """Samples around surfaces in which tiled passes draw, too."""
+    sparse: Any = None
+    """The texture that ``color`` was when it was last known to be empty outside of the tiles."""
     history: History | None = None
     """What earlier frames found, if this one goes on from them."""
 
@@ -122,7 +122,12 @@ class Frame:
         return buffer
 
     def replace_color(
-        self, shader: str, resources: Mapping[str, Any], *, tiles: bool = False
+        self,
+        shader: str,
+        resources: Mapping[str, Any],
+        *,
+        tiles: bool = False,
+        constants: Mapping[str, float] | None = None,
     ) -> None:
         """Run a pass that makes ``replaced`` from ``color``, and go on with what it made.
 
@@ -132,12 +137,18 @@ class Frame:
         size = color.size[:2]
         # two textures take turns: a pass cannot write what it reads
         name = "post_b" if color is self.resources.get("post_a") else "post_a"
-        replaced = self.target(name, "rgba16float", size=size)
+        replaced = self.target(name, "rgba16float", size=size, attachment=True)
         if tiles:
-            self.recorder.copy_texture(color, replaced)
-            self.compute_tiles(shader, {**resources, "replaced": replaced})
+            if color is self.sparse:
+                self.recorder.clear_texture(replaced, (0, 0, 0, 0))
+                self.sparse = replaced
+            else:
+                self.recorder.copy_texture(color, replaced)
+            self.compute_tiles(shader, {**resources, "replaced": replaced}, constants=constants)
         else:
-            self.compute(shader, {**resources, "replaced": replaced}, threads=size)
+            self.compute(
+                shader, {**resources, "replaced": replaced}, threads=size, constants=constants
+            )
         self.resources["color"] = replaced
 
     def compute_tiles(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from scuro.passes.geometry.tiles import MAX_TILES, TILE
@@ -9,7 +10,9 @@ from scuro.passes.geometry.tiles import MAX_TILES, TILE
 _ALIGN = 16
 """Parts begin at multiples of this, so that patterns and reduced pictures continue across them."""
 _EDGE = 1280
-"""Largest edge of a part in samples: bounds what the GPU holds."""
+"""Usual edge of a part in samples: bounds what the GPU holds."""
+_MOST = TILE * math.isqrt(MAX_TILES)
+"""Largest edge of a part in samples."""
 
 
 @dataclass(frozen=True)
@@ -76,17 +79,17 @@ def split(
         return [Part((0, 0), size, (0, 0, width, height))]
     margin = _aligned(margin)
     # wide margins are worth larger parts
-    edge = min(max(edge // scale, 4 * margin), max_texture // scale)
-    step = max((edge - 2 * margin) // _ALIGN * _ALIGN, _ALIGN)
+    edge = min(max(edge // scale, 4 * margin), max_texture // scale, _MOST // scale)
+    step = max((edge - 2 * margin - _ALIGN) // _ALIGN * _ALIGN, _ALIGN)
     down = step if rows is None else max(min(step, rows // _ALIGN * _ALIGN), _ALIGN)
-    # all parts are of one size, so that one set of textures serves them all; the last of a row may
-    # look a little beyond the picture
-    drawn = (min(step + 2 * margin, width), min(down + 2 * margin, height))
+    # all parts are of one size, so that one set of textures serves them all; the last ends with the
+    # picture, for what lies beyond it must not be known to its part alone
+    drawn = _ending(width, step + 2 * margin), _ending(height, down + 2 * margin)
     parts = []
     for top in range(0, height, down):
         for left in range(0, width, step):
-            x = min(max(left - margin, 0), _aligned(width - drawn[0]))
-            y = min(max(top - margin, 0), _aligned(height - drawn[1]))
+            x = min(max(left - margin, 0), width - drawn[0])
+            y = min(max(top - margin, 0), height - drawn[1])
             keep = (left, top, min(left + step, width), min(top + down, height))
             parts.append(Part((x, y), drawn, keep))
     return parts
@@ -110,6 +113,11 @@ def bands(size: tuple[int, int], *, margin: int, count: int) -> list[Part]:
         drawn = (width, min(bottom + margin, height) - y)
         parts.append(Part((0, y), drawn, (0, top, width, bottom)))
     return parts
+
+
+def _ending(length: int, drawn: int) -> int:
+    """``drawn`` or a little more, so that an aligned part of that size can end at ``length``."""
+    return length - max(length - drawn, 0) // _ALIGN * _ALIGN
 
 
 def _aligned(length: int) -> int:

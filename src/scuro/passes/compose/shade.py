@@ -17,7 +17,7 @@ def shade(frame: Frame) -> None:
         "visibility": white or frame.target("white", "r32float", size=(1, 1)),
         "shadow": frame.resources.get("shadow") or frame.target("white", "r32float", size=(1, 1)),
     }
-    frame.target("color", "rgba16float", clear=(0, 0, 0, 0))
+    frame.sparse = frame.target("color", "rgba16float", clear=(0, 0, 0, 0))
     frame.compute_tiles("passes/compose/shade.wgsl", resources, constants=constants)
 
 

@@ -17,20 +17,28 @@ _RUNS_LIMIT = 128
 """So do they with more bodies than this: each body's clusters take a dispatch of their own."""
 
 
-def find_tiles(frame: Frame) -> None:
-    """Fill ``tile_list`` and ``tile_count`` for :meth:`Frame.compute_tiles`."""
+def find_tiles(frame: Frame, margin: float = 0.0, name: str = "tile") -> None:
+    """Fill ``tile_list`` and ``tile_count`` for :meth:`Frame.compute_tiles`.
+
+    Args:
+        frame: What is drawn.
+        margin: Samples around surfaces in which tiled passes shall draw, too.
+        name: Of the buffers, to keep what an earlier call filled for passes already recorded.
+    """
     accelerator = frame.accelerator
     width, height = (-(-s // TILE) for s in frame.size)
-    mask = frame.scratch("tile_mask", 4 * width * height)
-    count = frame.scratch("tile_count", 16, indirect=True)
-    frame.scratch("tile_list", 4 * width * height)
+    buffer = frame.targets.buffer
+    mask = buffer(f"{name}_mask", 4 * width * height)
+    count = buffer(f"{name}_count", 16, indirect=True)
+    tiles = buffer(f"{name}_list", 4 * width * height)
+    frame.resources |= {"tile_mask": mask, "tile_count": count, "tile_list": tiles}
     frame.recorder.clear_buffer(mask)
     frame.gpu.write_buffer(count, np.array([0, 1, 1, 0], np.uint32))
 
     def run(entry: str, threads: int, **splat: float) -> None:
         uniform = {
             "clusters": 0, "first_cluster": 0, "first_instance": 0, "count": 0,
-            "tiles": (width, height), "margin": 1.0 + frame.margin,
+            "tiles": (width, height), "margin": 1.0 + margin,
         } | splat  # fmt: skip
         rows = -(-threads // (64 * 65535))
         frame.compute(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from scuro.passes.frame import Frame
-from scuro.passes.post.depth import fill_depths, full_jump
+from scuro.passes.post.depth import full_jump
 from scuro.settings import SettingsGroup, setting
 from scuro.style.paint import linear_rgba
 
@@ -31,22 +33,17 @@ def borders_reach(settings: BorderSettings, px: float) -> float:
     return settings.width * px + 1 if settings.width else 0.0
 
 
-def draw_borders(frame: Frame) -> None:
-    """Draw lines over ``color``, outside of each silhouette."""
+THIN = 2.0
+"""Lines up to this width in samples are found in few steps."""
+
+
+def borders_uniform(frame: Frame) -> dict[str, Any]:
+    """Field values of ``Borders`` (borders.wgsl)."""
     settings = frame.settings.borders
-    if not settings.width:
-        return
-    fill_depths(frame)
     red, green, blue, alpha = linear_rgba(settings.color)
-    frame.replace_color(
-        "passes/post/borders.wgsl",
-        {
-            "borders": {
-                "color": (red, green, blue),
-                "opacity": settings.opacity * alpha,
-                "width": settings.width * frame.px,
-                "jump": max(full_jump(frame, settings.jump), 1e-6),
-            }
-        },
-        tiles=True,
-    )
+    return {
+        "color": (red, green, blue),
+        "opacity": settings.opacity * alpha,
+        "width": (settings.width or 0.0) * frame.px,
+        "jump": max(full_jump(frame, settings.jump), 1e-6),
+    }

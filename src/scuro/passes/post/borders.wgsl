@@ -1,9 +1,6 @@
 // Depth-aware borders (Tarini et al. 2006): a line lies outside of a silhouette, on what is behind
 // it, and is as wide as the depth jump there allows. Between touching atoms it thins out to nothing.
 
-//#include "view.wgsl"
-//#include "tiles.wgsl"
-
 struct Borders {
     // linear
     color: vec3f,
@@ -14,58 +11,80 @@ struct Borders {
     jump: f32,
 }
 
-@group(2) @binding(0) var<uniform> borders: Borders;
-@group(2) @binding(1) var surface: texture_2d<f32>;
-// its depth alone, huge where empty
-@group(2) @binding(2) var depths: texture_2d<f32>;
-@group(2) @binding(3) var color: texture_2d<f32>;
-@group(2) @binding(4) var replaced: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(0) var surface: texture_2d<f32>;
+@group(2) @binding(10) var<uniform> borders: Borders;
+@group(2) @binding(11) var nearest: sampler; // nearest
 
 // Steeper surfaces than this are taken for an edge.
 const STEEPEST: f32 = 8.0;
+const FAR: f32 = 3.0e38;
 
-// Change of depth a pixel along a surface, to the right and downward: what a tangent plane explains
-// is no jump, and a convex surface never stands out from its own tangent plane.
-fn slope(pixel: vec2f, texel: vec4f) -> vec2f {
-    let normal = (view.view_from_scene * vec4f(texel.xyz, 0.0)).xyz;
-    let facing = dot(normal, -view_ray(pixel).direction);
-    let steep = vec2f(normal.x, -normal.y) / max(facing, 1.0 / STEEPEST);
-    return steep * pixel_width(texel.w);
+// A pixel's own surface, from which others may stand out.
+struct Ground {
+    depth: f32,
+    // change of depth a pixel to the right and downward: what a tangent plane explains is no jump,
+    // and a convex surface never stands out from its own tangent plane
+    slope: vec2f,
+    // facets and rounding make steps of less than the pixels are wide
+    grain: f32,
 }
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let id = tile_pixel(group, local);
-    let size = vec2i(textureDimensions(replaced));
-    let pixel = vec2i(id);
-    if (any(pixel >= size)) {
-        return;
+fn ground_at(pixel: vec2u, texel: vec4f) -> Ground {
+    if (texel.w <= 0.0) {
+        return Ground(FAR, vec2f(0.0), 0.0);
     }
-    let here = textureLoad(surface, pixel, 0);
-    let own = textureLoad(depths, pixel, 0).x;
-    let rise = select(vec2f(0.0), slope(vec2f(pixel) + 0.5, here), here.w > 0.0);
-    let directions = select(12u, 8u, borders.width < 3.0);
-    let angle = 6.2831853 / f32(directions);
-    let turn = mat2x2f(cos(angle), sin(angle), -sin(angle), cos(angle));
-    var covered = 0.0;
+    let normal = (view.view_from_scene * vec4f(texel.xyz, 0.0)).xyz;
+    let facing = dot(normal, -view_ray(vec2f(pixel) + 0.5).direction);
+    let steep = vec2f(normal.x, -normal.y) / max(facing, 1.0 / STEEPEST);
+    let grain = pixel_width(texel.w);
+    return Ground(texel.w, steep * grain, grain);
+}
+
+// The pixel's share of lines around four others: their offset, distance and depth (0 where empty).
+// A line begins half a pixel from its surface's last.
+fn shares(ground: Ground, xs: vec4f, ys: vec4f, away: vec4f, depths: vec4f) -> vec4f {
+    let rise = min(ground.slope.x * xs + ground.slope.y * ys, vec4f(0.0)) - away * ground.grain;
+    let jump = select(vec4f(0.0), ground.depth + rise - depths, depths > vec4f(0.0));
+    let width = borders.width * sqrt(saturate(jump / borders.jump));
+    return select(vec4f(0.0), saturate(width + 1.0 - away), jump > vec4f(0.0));
+}
+
+// Lines of at most two pixels: the 16 texels of four gathered squares, which turn about the pixel.
+fn thin_line(pixel: vec2u, texel: vec4f) -> f32 {
+    let ground = ground_at(pixel, texel);
+    let scale = 1.0 / vec2f(textureDimensions(surface));
+    var corner = vec2f(2.0, 0.0);
+    var covered = vec4f(0.0);
+    for (var i = 0u; i < 4u; i += 1u) {
+        // the sampler repeats the last texels beyond the picture
+        let depths = textureGather(3, surface, nearest, (vec2f(pixel) + corner) * scale);
+        let xs = corner.x + vec4f(-1.0, 0.0, 0.0, -1.0);
+        let ys = corner.y + vec4f(0.0, 0.0, -1.0, -1.0);
+        covered = max(covered, shares(ground, xs, ys, sqrt(xs * xs + ys * ys), depths));
+        corner = vec2f(1.0 - corner.y, corner.x);
+    }
+    return borders.opacity * max(max(covered.x, covered.y), max(covered.z, covered.w));
+}
+
+// Wider lines: twelve texels on each of the rings around the pixel.
+fn wide_line(pixel: vec2u, texel: vec4f) -> f32 {
+    let ground = ground_at(pixel, texel);
+    let last = vec2i(textureDimensions(surface)) - 1;
+    var covered = vec4f(0.0);
     for (var ring = 1.0; ring < borders.width + 1.0; ring += 1.0) {
-        // how far the nearest surface on a ring around the pixel stands out
-        var jump = 0.0;
-        // facets and rounding make steps of less than the pixels are wide
-        let step_size = ring * pixel_width(here.w) * f32(here.w > 0.0);
-        var offset = vec2f(ring, 0.0);
-        for (var i = 0u; i < directions; i += 1u) {
-            let step = round(offset);
-            let place = clamp(pixel + vec2i(step), vec2i(0), size - 1);
-            let expected = own + min(dot(rise, step), 0.0);
-            jump = max(jump, expected - textureLoad(depths, place, 0).x);
-            offset = turn * offset;
+        for (var i = 0.0; i < 3.0; i += 1.0) {
+            // four at right angles, turned by a third of that
+            let angle = i * 0.52359878;
+            let step = round(ring * vec2f(cos(angle), sin(angle)));
+            let xs = vec4f(step.x, -step.y, -step.x, step.y);
+            let ys = vec4f(step.y, step.x, -step.y, -step.x);
+            var depths = vec4f(0.0);
+            for (var k = 0u; k < 4u; k += 1u) {
+                let place = clamp(vec2i(pixel) + vec2i(vec2f(xs[k], ys[k])), vec2i(0), last);
+                depths[k] = textureLoad(surface, place, 0).w;
+            }
+            covered = max(covered, shares(ground, xs, ys, vec4f(length(step)), depths));
         }
-        let width = borders.width * sqrt(saturate((jump - step_size) / borders.jump));
-        // the pixel's share of a line that begins half a pixel from the surface's last
-        covered = max(covered, saturate(width + 1.0 - ring) * f32(jump > step_size));
     }
-    covered *= borders.opacity;
-    let under = textureLoad(color, pixel, 0);
-    textureStore(replaced, pixel, mix(under, vec4f(borders.color, 1.0), covered));
+    return borders.opacity * max(max(covered.x, covered.y), max(covered.z, covered.w));
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from scuro.passes.frame import Frame
 from scuro.passes.post.depth import depth_range
 from scuro.settings import SettingsGroup, setting
@@ -21,25 +23,15 @@ class FogSettings(SettingsGroup):
     end: float = setting(1.0, "where it is full", low=-1, high=3)
 
 
-def draw_fog(frame: Frame) -> None:
-    """Fade ``color``; toward a transparent background, surfaces turn transparent."""
+def fog_uniform(frame: Frame) -> dict[str, Any]:
+    """Field values of ``Fog`` (fog.wgsl); a transparent background turns surfaces transparent."""
     settings = frame.settings.fog
-    if not settings.strength:
-        return
     named = settings.color
-    color = premultiplied(frame.settings.background if named == "background" else named)
-    front, back = depth_range(frame)
-    start = front + settings.start * (back - front)
+    front, back = depth_range(frame) if settings.strength else (0.0, 1.0)
     span = (settings.end - settings.start) * (back - front)
-    frame.replace_color(
-        "passes/post/fog.wgsl",
-        {
-            "fog": {
-                "color": color,
-                "start": start,
-                "density": 1 / max(span, 1e-6),
-                "strength": settings.strength,
-            }
-        },
-        tiles=True,
-    )
+    return {
+        "color": premultiplied(frame.settings.background if named == "background" else named),
+        "start": front + settings.start * (back - front),
+        "density": 1 / max(span, 1e-6),
+        "strength": settings.strength,
+    }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from scuro.passes.frame import Frame
 from scuro.style.paint import premultiplied
 
@@ -11,4 +13,12 @@ def draw_fxaa(frame: Frame) -> None:
     if frame.settings.antialias.method != "fxaa":
         return
     background = premultiplied(frame.settings.background)
-    frame.replace_color("passes/post/fxaa.wgsl", {"fxaa": {"background": background}}, tiles=True)
+    frame.target("brightness", "r32float", clear=(_brightness(background), 0, 0, 0))
+    frame.compute_tiles("passes/post/fxaa_luma.wgsl", {"fxaa": {"background": background}})
+    frame.replace_color("passes/post/fxaa.wgsl", {"nearest": frame.gpu.nearest_sampler}, tiles=True)
+
+
+def _brightness(background: tuple[float, float, float, float]) -> float:
+    """Of pixels that show nothing else, as in fxaa_luma.wgsl."""
+    red, green, blue, _ = background
+    return math.sqrt(0.2126 * red + 0.7152 * green + 0.0722 * blue)

@@ -10,12 +10,18 @@ fn blur(pixel: vec2i, axis: vec2i) -> vec4f {
     let last = vec2i(textureDimensions(source)) - 1;
     let reach = i32(ceil(halos.width));
     let sharpness = 2.0 / (halos.width * halos.width);
-    var sum = vec2f(0.0);
-    var total = 0.0;
-    for (var i = -reach; i <= reach; i += 1) {
-        let weight = exp(-f32(i * i) * sharpness);
-        sum += weight * textureLoad(source, clamp(pixel + i * axis, vec2i(0), last), 0).xy;
-        total += weight;
+    var sum = textureLoad(source, pixel, 0).xy;
+    var total = 1.0;
+    // exp(-sharpness i^2), each from the one before
+    var weight = 1.0;
+    var ratio = exp(-sharpness);
+    let falling = ratio * ratio;
+    for (var i = 1; i <= reach; i += 1) {
+        weight *= ratio;
+        ratio *= falling;
+        sum += weight * (textureLoad(source, min(pixel + i * axis, last), 0).xy
+            + textureLoad(source, max(pixel - i * axis, vec2i(0)), 0).xy);
+        total += 2.0 * weight;
     }
     return vec4f(sum / total, 0.0, 1.0);
 }

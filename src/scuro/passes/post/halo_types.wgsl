@@ -12,7 +12,7 @@ struct Halos {
     reduction: u32,
 }
 
-@group(2) @binding(0) var<uniform> halos: Halos;
+@group(2) @binding(7) var<uniform> halos: Halos;
 
 // Depth in units of the jump, from the middle of the scene: fits a half float.
 fn scaled(depth: f32) -> f32 {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from scuro.passes.frame import Frame
 from scuro.passes.post.depth import full_jump
 from scuro.settings import SettingsGroup, setting
@@ -30,36 +32,35 @@ def halos_reach(settings: HaloSettings, px: float) -> float:
     return settings.width * px + MOST_REDUCTION if settings.width else 0.0
 
 
-def draw_halos(frame: Frame) -> None:
-    """Lay halos over ``color``, also over the background."""
+def halos_uniform(frame: Frame) -> dict[str, Any]:
+    """Field values of ``Halos`` (halo_types.wgsl)."""
     settings = frame.settings.halos
-    if not settings.width:
-        return
     width = settings.width * frame.px
-    # a blur needs few samples across its width: power of two, so that tiles agree on the squares
+    # a blur needs few samples across its width: power of two, so that parts agree on the squares
     reduction = 1
-    while reduction < MOST_REDUCTION and reduction * 8 <= width:
+    while reduction < MOST_REDUCTION and reduction * 4 <= width:
         reduction *= 2
     red, green, blue, alpha = linear_rgba(settings.color)
-    uniform = {
-        "halos": {
-            "color": (red, green, blue),
-            "opacity": settings.opacity * alpha,
-            "width": width / reduction,
-            "jump": max(full_jump(frame, settings.jump), 1e-6),
-            "reduction": reduction,
-        }
+    return {
+        "color": (red, green, blue),
+        "opacity": settings.opacity * alpha,
+        "width": width / reduction,
+        "jump": max(full_jump(frame, settings.jump), 1e-6),
+        "reduction": reduction,
     }
-    small = tuple(-(-s // reduction) for s in frame.size)
+
+
+def blur_depth(frame: Frame, halos: dict[str, Any]) -> Any:
+    """Blurred depth and coverage, in a texture smaller by the reduction of ``halos``."""
+    small = tuple(-(-s // halos["reduction"]) for s in frame.size)
     source = frame.target("halo_depth", "rgba16float", size=small)
-    frame.compute(
-        "passes/post/halo_reduce.wgsl", uniform | {"result": source}, threads=small, label="halos"
-    )
+    resources = {"halos": halos, "result": source, "nearest": frame.gpu.nearest_sampler}
+    frame.compute("passes/post/halo_reduce.wgsl", resources, threads=small, label="halos")
     for entry in ("across", "down"):
         result = frame.target(f"halo_{entry}", "rgba16float", size=small)
-        resources = uniform | {"source": source, "result": result}
+        resources = {"halos": halos, "source": source, "result": result}
         frame.compute(
             "passes/post/halo_blur.wgsl", resources, entry=entry, threads=small, label="halos"
         )
         source = result
-    frame.replace_color("passes/post/halos.wgsl", uniform | {"source": source})
+    return source

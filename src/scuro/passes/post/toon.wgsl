@@ -1,37 +1,29 @@
 // Toon shading: the light that a surface sends back, relative to its base colour, in equal steps of
 // perceived brightness. It works on the shaded picture: light, occlusion and shadow all become tones.
 
-//#include "tiles.wgsl"
 //#include "color.wgsl"
 
 struct Toon {
     steps: f32,
 }
 
-@group(2) @binding(0) var<uniform> toon: Toon;
-@group(2) @binding(1) var albedo: texture_2d<f32>;
-@group(2) @binding(2) var color: texture_2d<f32>;
-@group(2) @binding(3) var replaced: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(3) var<uniform> toon: Toon;
+@group(2) @binding(4) var albedo: texture_2d<f32>;
 
 // Share of a step over which a tone passes into the next: a hard limit would alias.
 const SOFTNESS: f32 = 0.12;
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let id = tile_pixel(group, local);
-    if (any(id >= textureDimensions(replaced))) {
-        return;
-    }
-    let shaded = textureLoad(color, id, 0);
-    let base = textureLoad(albedo, id, 0);
+fn toon_color(shaded: vec4f, pixel: vec2u) -> vec4f {
+    let base = textureLoad(albedo, pixel, 0);
     let own = luminance(base.rgb);
     // square root: about even steps to the eye
     let tone = sqrt(max(luminance(shaded.rgb), 0.0) / max(own * shaded.a, 1e-4));
     let step = tone * toon.steps;
-    let level = floor(step) + smoothstep(1.0 - SOFTNESS, 1.0, fract(step)) + 0.5;
+    // the brightest step is the surface's own colour
+    let level = floor(step) + smoothstep(1.0 - SOFTNESS, 1.0, fract(step)) + 1.0;
     let gain = level / max(step, 1e-3);
     let lit = base.rgb * shaded.a * (level / toon.steps) * (level / toon.steps);
     // dark pixels have no hue left to scale: take the surface's own
     let kept = select(lit, shaded.rgb * gain * gain, step > 0.25);
-    textureStore(replaced, id, select(shaded, vec4f(kept, shaded.a), base.a > 0.0));
+    return select(shaded, vec4f(kept, shaded.a), base.a > 0.0);
 }
