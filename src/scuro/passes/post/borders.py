@@ -41,9 +41,10 @@ def borders_uniform(frame: Frame) -> dict[str, Any]:
     """Field values of ``Borders`` (borders.wgsl)."""
     settings = frame.settings.borders
     red, green, blue, alpha = linear_rgba(settings.color)
+    width = (settings.width or 0.0) * frame.px
     return {
         "color": (red, green, blue),
         "opacity": settings.opacity * alpha,
-        "width": (settings.width or 0.0) * frame.px,
-        "jump": max(full_jump(frame, settings.jump), 1e-6),
+        "width": width,
+        "jump": max(full_jump(frame, settings.jump, width), 1e-6),
     }

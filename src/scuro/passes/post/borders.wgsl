@@ -17,6 +17,8 @@ struct Borders {
 
 // Steeper surfaces than this are taken for an edge.
 const STEEPEST: f32 = 8.0;
+// How far smoothed normals may be off, as a slope.
+const FACETS: f32 = 0.15;
 const FAR: f32 = 3.0e38;
 
 // A pixel's own surface, from which others may stand out.
@@ -25,7 +27,8 @@ struct Ground {
     // change of depth a pixel to the right and downward: what a tangent plane explains is no jump,
     // and a convex surface never stands out from its own tangent plane
     slope: vec2f,
-    // facets and rounding make steps of less than the pixels are wide
+    // facets and rounding make steps of less than the pixels are wide, and facets of steep surfaces,
+    // whose normals are smoothed, more
     grain: f32,
 }
 
@@ -36,8 +39,8 @@ fn ground_at(pixel: vec2u, texel: vec4f) -> Ground {
     let normal = (view.view_from_scene * vec4f(texel.xyz, 0.0)).xyz;
     let facing = dot(normal, -view_ray(vec2f(pixel) + 0.5).direction);
     let steep = vec2f(normal.x, -normal.y) / max(facing, 1.0 / STEEPEST);
-    let grain = pixel_width(texel.w);
-    return Ground(texel.w, steep * grain, grain);
+    let width = pixel_width(texel.w);
+    return Ground(texel.w, steep * width, width * (1.0 + FACETS * dot(steep, steep)));
 }
 
 // The pixel's share of lines around four others: their offset, distance and depth (0 where empty).
@@ -66,15 +69,16 @@ fn thin_line(pixel: vec2u, texel: vec4f) -> f32 {
     return borders.opacity * max(max(covered.x, covered.y), max(covered.z, covered.w));
 }
 
-// Wider lines: twelve texels on each of the rings around the pixel.
+// Wider lines: twelve or twenty-four texels on each of the rings around the pixel.
 fn wide_line(pixel: vec2u, texel: vec4f) -> f32 {
     let ground = ground_at(pixel, texel);
     let last = vec2i(textureDimensions(surface)) - 1;
     var covered = vec4f(0.0);
     for (var ring = 1.0; ring < borders.width + 1.0; ring += 1.0) {
-        for (var i = 0.0; i < 3.0; i += 1.0) {
-            // four at right angles, turned by a third of that
-            let angle = i * 0.52359878;
+        // four at right angles, turned from one to the next
+        let turns = select(3.0, 6.0, ring > 4.0);
+        for (var i = 0.0; i < turns; i += 1.0) {
+            let angle = i * 1.57079633 / turns;
             let step = round(ring * vec2f(cos(angle), sin(angle)));
             let xs = vec4f(step.x, -step.y, -step.x, step.y);
             let ys = vec4f(step.y, step.x, -step.y, -step.x);

@@ -11,6 +11,8 @@ from scuro.scene.view import body_points
 
 _EXACT_POINTS = 1 << 20
 """With more primitives in view, bodies are measured by their instances' bounding spheres."""
+_SLENDER = 12.0
+"""Least ratio of a jump to the line of full width that marks it."""
 _JUMP = 4.0
 """Median radii that a surface must stand out for a line of full width: two atoms' diameters."""
 
@@ -38,12 +40,19 @@ def _measured(camera: Camera, bodies: tuple[Body, ...]) -> tuple[float, float]:
     return front, max(back, front + 1e-6)
 
 
-def full_jump(frame: Frame, setting: float | None) -> float:
-    """Depth jump at which borders and halos are at their strongest, scene units."""
+def full_jump(frame: Frame, setting: float | None, width: float = 0.0) -> float:
+    """Depth jump at which borders and halos are at their strongest, scene units.
+
+    Lines of so many samples' ``width`` mark jumps that are much larger than they are wide: seen
+    from afar, atoms lose theirs before molecules do.
+    """
     if setting is not None:
         return setting
     radius = frame.accelerator.primitive_radius
-    return _JUMP * radius if radius > 0 else 0.05 * frame.accelerator.extent
+    jump = _JUMP * radius if radius > 0 else 0.05 * frame.accelerator.extent
+    camera, height = frame.camera, frame.resources["view"]["size"][1]
+    distance = 1.0 if camera.orthographic else frame.resources["view"]["distance"]
+    return max(jump, _SLENDER * width * 2 * camera.half_height() * distance / height)
 
 
 _FAR = 3e38
@@ -51,6 +60,7 @@ _FAR = 3e38
 
 
 def fill_depths(frame: Frame) -> None:
-    """Fill ``depths``: the G-buffer's depth, huge where empty; cheap to read many times."""
+    """Fill ``depths``: depth, huge where empty; lines have that of the surface they surround."""
     frame.target("depths", "r32float", clear=(_FAR, 0, 0, 0))
-    frame.compute_tiles("passes/post/depths.wgsl")
+    lines = (frame.settings.borders.width or 0.0) * frame.px
+    frame.compute_tiles("passes/post/depths.wgsl", {"lined": {"lines": lines}})

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
 
 from scuro.passes.frame import Frame
+from scuro.passes.geometry.tiles import TILE
 from scuro.passes.post.depth import depth_range, fill_depths
 from scuro.scene.scene import Scene
 from scuro.scene.view import focus_points
@@ -26,12 +30,12 @@ class FocusSettings(SettingsGroup):
     distance: float | None = setting(
         None, "distance in focus, from the eye along the line of sight", low=0
     )
-    taps: int = setting(48, "pixels gathered for each", low=1, high=256)
+    taps: int = setting(64, "most pixels gathered for each", low=1, high=256)
 
 
 def focus_reach(settings: FocusSettings, px: float) -> float:
     """Distance in pixels from which one is influenced; ``px`` of them are 1 px."""
-    return settings.blur * px * _MOST if settings.blur else 0.0
+    return settings.blur * px * _MOST + 2 * TILE if settings.blur else 0.0
 
 
 _MOST = 2.0
@@ -50,18 +54,31 @@ def draw_focus(frame: Frame, scene: Scene) -> None:
     # has no lens, takes it as from far away
     perspective = not frame.camera.orthographic
     unit = (back - front) / (back if perspective else 1.0)
-    frame.replace_color(
-        "passes/post/focus.wgsl",
-        {
-            "focus": {
-                "depth": focus,
-                "aperture": settings.blur * frame.px / max(unit, 1e-6),
-                "most": settings.blur * frame.px * _MOST,
-                "perspective": int(perspective),
-                "taps": settings.taps,
-            }
-        },
-    )
+    most = settings.blur * frame.px * _MOST
+    uniform = {
+        "depth": focus,
+        "aperture": settings.blur * frame.px / max(unit, 1e-6),
+        "most": most,
+        "perspective": int(perspective),
+        "taps": settings.taps,
+        "reach": math.ceil(most / TILE),
+    }
+    around = _largest_around(frame, uniform)
+    frame.replace_color("passes/post/focus.wgsl", {"focus": uniform, "around": around})
+
+
+def _largest_around(frame: Frame, uniform: dict[str, Any]) -> Any:
+    """The largest circle of confusion that may reach into each tile."""
+    source = frame.resources["depths"]
+    small = tuple(-(-s // TILE) for s in frame.size)
+    for entry in ("largest", "across", "down"):
+        result = frame.target(f"focus_{entry}", "r32float", size=small)
+        resources = {"focus": uniform, "source": source, "result": result}
+        frame.compute(
+            "passes/post/focus_reach.wgsl", resources, entry=entry, threads=small, label="focus"
+        )
+        source = result
+    return source
 
 
 def _focal_depth(frame: Frame, scene: Scene) -> float:
