@@ -31,6 +31,7 @@ from scuro.passes.post.stereo import eye_camera, eye_size, join_eyes, keep_left_
 from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
 from scuro.passes.shadow.shadow import draw_shadows
+from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.passes.volume.frame import Volumes
 from scuro.reference.path import PathTracer
 from scuro.render_settings import Settings
@@ -69,6 +70,7 @@ class Renderer:
         self._volumes = Volumes()
         self.reservoirs = Reservoirs()
         self._paths = PathTracer()
+        self._layers = Layers()
         self.history = History()
         """What frames drawn with ``accumulate`` found."""
 
@@ -90,6 +92,7 @@ class Renderer:
         """Forget what earlier frames of the same picture gathered."""
         self._paths = PathTracer()
         self._volumes.restart()
+        self._layers = Layers()
         self.history = History()
 
     def sibling(self) -> Renderer:
@@ -172,13 +175,13 @@ class Renderer:
             frame.history = self.history
             view = frame.resources["view"]
             view["frame"] = self.history.begin(view, frame.size)
-        draw_visibility(frame)
+        with opaque_only(frame):
+            draw_visibility(frame)
         if settings.renderer == "path":
             self._paths.draw(frame)
         elif settings.semantic.mode == "off":
-            draw_occlusion(frame)
-            draw_shadows(frame)
-            shade(frame)
+            _light(frame)
+            self._layers.draw(frame, _light)
         else:
             shade_semantic(frame, scene.hierarchy(settings.semantic.parts))
         if frame.history is not None:
@@ -305,6 +308,13 @@ class Renderer:
         """A camera that sees the whole scene; ``options`` are those of :meth:`Camera.fitted`."""
         width, height = eye_size(settings.stereo, settings.size)
         return Camera.fitted(scene.bounds(), aspect=width / height, **options)
+
+
+def _light(frame: Frame) -> None:
+    """Occlusion, shadows and shading of what a G-buffer holds: ``color``."""
+    draw_occlusion(frame)
+    draw_shadows(frame)
+    shade(frame)
 
 
 def render(

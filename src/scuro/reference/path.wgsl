@@ -131,6 +131,7 @@ fn add(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local:
     }
     let place = pixel + vec2u(view.origin);
     let seed = hash(place.x + hash(place.y + hash(view.seed)));
+    ray_chance = hash(seed + paths.index);
     let within = select(vec2f(0.5), sobol_point(paths.index, 0u, seed), paths.antialias != 0u);
     let light = path_light(scene_ray(vec2f(pixel) + within), seed);
     let row = pixel.x + pixel.y * paths.size.x;

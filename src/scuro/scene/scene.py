@@ -170,6 +170,7 @@ class Scene:
         select: str = "all",
         color: str = "auto",
         material: Material | None = None,
+        opacity: float | None = None,
         clipped: bool = True,
         molecule: int | None = None,
         **options: Any,
@@ -181,6 +182,7 @@ class Scene:
             select: Which atoms, in PyMOL's words.
             color: Colour scheme, colour name or hex.
             material: How the surface answers light.
+            opacity: 1 is solid; the material's own by default.
             clipped: Whether clipping planes cut it.
             molecule: Index among the scene's molecules; all of them by default.
             options: Settings of :class:`scuro.style.representation.Representation`.
@@ -196,9 +198,12 @@ class Scene:
 
         if not any(chosen_atoms(item.molecule, select).any() for item in chosen):
             raise SettingsError(f"the selection '{select}' matches no atoms")
-        shown = Shown(
-            style, select, color, material or Material(), clipped, tuple(sorted(options.items()))
-        )
+        material = material or Material()
+        if opacity is not None:
+            if not 0 <= opacity <= 1:
+                raise SettingsError(f"opacity must lie between 0 and 1, not {opacity!r}")
+            material = replace(material, opacity=float(opacity))
+        shown = Shown(style, select, color, material, clipped, tuple(sorted(options.items())))
         for item in chosen:
             item.shown.append(shown)
         return self

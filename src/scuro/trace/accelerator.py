@@ -55,6 +55,8 @@ OBJECT = np.dtype(
 MATERIAL_KINDS = ("diffuse", "glossy", "metal", "mirror", "glass")
 UNCLIPPED, OPEN = 1, 2
 """As in wgsl/scene.wgsl."""
+OPACITY_SHIFT = 24
+"""The flags' highest byte is the opacity (wgsl/opacity.wgsl)."""
 
 
 @dataclass(eq=False)
@@ -131,8 +133,8 @@ class Accelerator:
                 [len(b.positions) for b in self.bodies],
             )
             objects = _objects(self.bodies, self.packed, plan)
-            single = len(instances) == 1
-            top = objects[int(instances[0]["object"])]["grid"] if single else plan.grids[0]
+            alone = _alone(self.bodies)
+            top = objects[int(instances[0]["object"])]["grid"] if alone else plan.grids[0]
             resources = build_grids(gpu, plan, self.resources["slots"], spheres)
             resources["objects"] = table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects")
             resources["scene"] = {"top": {name: top[name] for name in GRID.names or ()}}
@@ -159,7 +161,7 @@ def build_accelerator(
     plan = plan_grids(bodies, packed, center)
     objects = _objects(bodies, packed, plan)
     # a single instance needs no grid above it
-    top = objects[int(instances[0]["object"])]["grid"] if len(instances) == 1 else plan.grids[0]
+    top = objects[int(instances[0]["object"])]["grid"] if _alone(bodies) else plan.grids[0]
     resources = {
         "slots": slot_table,
         "attributes": table(gpu, attributes, "attributes"),
@@ -192,7 +194,8 @@ def build_accelerator(
         constants={
             "HAS_RODS": any(p.has_rods for p in packed.values()),
             "HAS_TRIANGLES": any(p.has_triangles for p in packed.values()),
-            "HAS_TOP_LEVEL": len(instances) != 1,
+            "HAS_TOP_LEVEL": not _alone(bodies),
+            "HAS_OPACITY": any(b.material.opacity < 1 for b in bodies),
             "HAS_LEVELS": any(b.geometry.levels for b in bodies),
         },
         bytes=sum(table_bytes(t) for n, t in resources.items() if n != "clusters"),
@@ -217,6 +220,13 @@ def build_accelerator(
             "detail_slope": 0.0,
             "detail_floor": 0.0,
         },
+    )
+
+
+def _alone(bodies: Sequence[Body]) -> bool:
+    """Whether all is one opaque instance, which needs no grid above it."""
+    return sum(len(b.positions) for b in bodies) == 1 and all(
+        b.material.opacity == 1 for b in bodies
     )
 
 
@@ -312,7 +322,9 @@ def _object(body: Body, p: PackedGeometry, grid: Any) -> tuple:
     return (
         grid,
         p.radius,
-        (0 if body.clipped else UNCLIPPED) | (0 if body.closed else OPEN),
+        (0 if body.clipped else UNCLIPPED)
+        | (0 if body.closed else OPEN)
+        | (round(255 * m.opacity) << OPACITY_SHIFT),
         0,
         p.median_radius,
         m.diffuse,

@@ -9,6 +9,7 @@
 
 //#include "dda.wgsl"
 //#include "entry.wgsl"
+//#include "opacity.wgsl"
 
 struct Hit {
     t: f32,
@@ -199,6 +200,9 @@ fn local_view(ray: Ray, index: u32, t_min: f32, t_max: f32, kept: Kept) -> Local
     var near = half > 0.0 && along - half <= t_max && along + half >= t_min;
     if (HAS_SKIPS) {
         near = near && !skips(index, instance.object);
+    }
+    if (HAS_OPACITY) {
+        near = near && meets(ray.origin, ray.direction, index, object.flags);
     }
     var grid = object.grid;
     if (HAS_LEVELS && near) {

@@ -32,6 +32,8 @@ def draw_visibility(frame: Frame) -> None:
 
 def _way(frame: Frame) -> str:
     way = frame.settings.visibility
+    if frame.constants["HAS_OPACITY"]:
+        return "raycast"  # transparent objects are left out, ray by ray
     if frame.constants["CLIPPED"] and frame.constants["HAS_TRIANGLES"]:
         return "raycast"  # whether a pixel shows the cap of a mesh takes all of the mesh to know
     return "raycast" if way == "auto" else way

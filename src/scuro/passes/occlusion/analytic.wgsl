@@ -53,7 +53,10 @@ fn kept_share(center: vec3f, radius: f32) -> f32 {
     return share;
 }
 
-fn open_share(slot: u32, p: vec3f, n: vec3f, instance: Instance, clipped: bool) -> f32 {
+// All of an atom's neighbours belong to its own object, whose opacity is theirs.
+fn open_share(
+    slot: u32, p: vec3f, n: vec3f, instance: Instance, clipped: bool, opacity: f32,
+) -> f32 {
     var open = 1.0;
     for (var i = 0u; i < analytic.texels; i += 1u) {
         let four = textureLoad(neighbours, table_place(slot * analytic.texels + i), 0);
@@ -67,7 +70,7 @@ fn open_share(slot: u32, p: vec3f, n: vec3f, instance: Instance, clipped: bool) 
             if (analytic.form == 1u) {
                 blocked = easdon_occlusion(c, d / sphere.w);
             }
-            blocked *= select(0.0, 1.0, d - sphere.w < analytic.range);
+            blocked *= select(0.0, opacity, d - sphere.w < analytic.range);
             if (CLIPPED && clipped) {
                 blocked *= kept_share(instance.center + rotate(instance.rotation, sphere.xyz), sphere.w);
             }
@@ -93,7 +96,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     let inverse = conjugate(instance.rotation);
     let p = rotate(inverse, scene_position(vec2f(pixel) + 0.5, texel.w) - instance.center);
     let n = rotate(inverse, texel.xyz);
-    let clipped = (traced_object(id.z).flags & UNCLIPPED) == 0u;
-    let open = open_share(slot_of(id.w), p, n, instance, clipped);
+    let flags = traced_object(id.z).flags;
+    let clipped = (flags & UNCLIPPED) == 0u;
+    let open = open_share(slot_of(id.w), p, n, instance, clipped, opacity_of(flags));
     textureStore(result, pixel, vec4f(open));
 }

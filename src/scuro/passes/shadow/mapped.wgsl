@@ -3,7 +3,7 @@
 
 //#include "view.wgsl"
 //#include "tiles.wgsl"
-//#include "trace.wgsl"
+//#include "trace_transmittance.wgsl"
 //#include "lights.wgsl"
 //#include "octahedral.wgsl"
 //#include "sampling.wgsl"
@@ -48,6 +48,7 @@ fn map_place(light: Light, position: vec3f) -> vec3f {
 @compute @workgroup_size(8, 8)
 fn fill_map(@builtin(global_invocation_id) id: vec3u) {
     let at = (vec2f(id.xy) + 0.5) / f32(mapped.size) * 2.0 - 1.0;
+    ray_part = OPAQUE_PART;
     let hit = trace_nearest(map_ray(lights.list[mapped.light], at), 0.0, NOTHING);
     if (all(id.xy < vec2u(mapped.size))) {
         textureStore(depths_out, id.xy, vec4f(hit.t));
@@ -63,7 +64,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     let texel = textureLoad(surface, pixel, 0);
     let position = scene_position(vec2f(pixel) + 0.5, texel.w);
     let light = lights.list[mapped.light];
-    let facing = dot(texel.xyz, incoming_light(light, position).direction);
+    let arriving = incoming_light(light, position);
+    let facing = dot(texel.xyz, arriving.direction);
     if (texel.w <= 0.0 || facing <= 0.0) {
         textureStore(result, pixel, vec4f(1.0));
         return;
@@ -92,5 +94,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
             total += w;
         }
     }
-    textureStore(result, pixel, vec4f(lit / total));
+    // a map has one depth: what transparent objects leave of the light is found by rays
+    let origin = position + texel.xyz * surface_offset(position, texel.w);
+    let films = trace_films(Ray(origin, arriving.direction), 0.0, arriving.distance);
+    textureStore(result, pixel, vec4f(films * lit / total));
 }

@@ -3,7 +3,7 @@
 
 //#include "view.wgsl"
 //#include "tiles.wgsl"
-//#include "trace.wgsl"
+//#include "trace_transmittance.wgsl"
 //#include "lights.wgsl"
 //#include "sampling.wgsl"
 //#include "light_samples.wgsl"
@@ -52,13 +52,13 @@ fn lit_at(pixel: vec2u) -> f32 {
     // an empty interval costs no step through the grid: cheaper than a branch that all lanes take
     let end = select(-1.0, arriving.distance, reached);
     if (!AREA) {
-        return select(1.0, 0.0, trace_any(Ray(origin, arriving.direction), 0.0, end));
+        return trace_transmittance(Ray(origin, arriving.direction), 0.0, end);
     }
     var lit = 0.0;
     let unknown = select(1.0, -1.0, rays.pattern != 0u);
     for (var i = 0u; i < rays.samples; i += 1u) {
         let direction = light_direction(light, arriving, rays.spread, square_point(pixel, i));
-        lit += select(1.0, 0.0, trace_any(Ray(origin, direction), 0.0, end));
+        lit += trace_transmittance(Ray(origin, direction), 0.0, end);
     }
     // what the light does not reach must not brighten its neighbours when they are smoothed
     return select(unknown, lit / f32(rays.samples), reached);

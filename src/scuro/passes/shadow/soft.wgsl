@@ -3,6 +3,7 @@
 //#include "view.wgsl"
 //#include "tiles.wgsl"
 //#include "trace_soft.wgsl"
+//#include "trace_transmittance.wgsl"
 //#include "light_samples.wgsl"
 
 struct Soft {
@@ -35,6 +36,9 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     let origin = position + texel.xyz * surface_offset(position, texel.w);
     let end = select(-1.0, arriving.distance, reached);
     let penumbra = Penumbra(light_spread(light, arriving.distance, soft.spread), soft.most, soft.ratio);
-    let lit = trace_soft(Ray(origin, arriving.direction), end, penumbra);
+    let ray = Ray(origin, arriving.direction);
+    // penumbras are those of opaque solids; transparent ones dim with a hard edge
+    ray_part = OPAQUE_PART;
+    let lit = trace_soft(ray, end, penumbra) * trace_films(ray, 0.0, end);
     textureStore(result, pixel, vec4f(lit));
 }
