@@ -96,9 +96,9 @@ class Saving:
         return replace(document, settings=document.settings.replace(size=(width, height)))
 
     def _picture(self, document: SceneFile, camera: Camera, chosen: PictureSettings) -> Work:
-        from scuro.export.image import format_writer
+        from scuro.export.formats import check_format as check_picture
 
-        format_writer(_file_name(chosen.name))
+        check_picture(_file_name(chosen.name), document.settings.size)
         if chosen.name.lower().endswith(".exr"):
             raise SettingsError("OpenEXR pictures come from 'scuro render': save the scene file")
         model, renderer = self.view.model, self.view.renderer.sibling()

@@ -1,0 +1,348 @@
+"""The viewer in time: playing, slow work in slices, undo of all of it, files from the panel."""
+
+import numpy as np
+import pytest
+
+from scuro.app.cli import run
+from scuro.export.png import read_settings
+from scuro.export.scene_file import Input, SceneFile, Show
+from scuro.load.trajectory import LEAP, open_trajectory
+from scuro.probe.probe import ProbeSettings
+from scuro.render import Renderer
+from scuro.render_settings import Settings
+from scuro.scene.clip import Cut
+from scuro.viewer.jobs import Jobs, in_thread
+from scuro.viewer.model import Model
+from scuro.viewer.saving import FilmSettings, Saving
+from scuro.viewer.view import REST, View
+
+SIZE = (120, 90)
+ATOM = "ATOM      1  CA  ALA A   1    {:8.3f}{:8.3f}{:8.3f}  1.00  0.00           C  \n"
+
+
+class Clock:
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture(scope="module")
+def renderer():
+    return Renderer()
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def three(tmp_path):
+    """A file of three models: an atom goes 4 Å along x, then across a box along y."""
+    places = [(0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (4.0, 4 * LEAP, 0.0)]
+    path = tmp_path / "three.pdb"
+    other = ATOM.replace("ATOM      1  CA  ALA A   1", "ATOM      2  CA  ALA A   2")
+    path.write_text(
+        "".join(
+            f"MODEL     {n + 1:4d}\n{ATOM.format(*p)}{other.format(0, -9, 0)}ENDMDL\n"
+            for n, p in enumerate(places)
+        )
+        + "END\n"
+    )
+    return path
+
+
+@pytest.fixture
+def model(three, clock):
+    made = Model(SceneFile(input=(Input(path=str(three)),), show=(Show(style="spacefill"),)))
+    made.player._clock = clock
+    return made
+
+
+def protein(**settings):
+    shown = (Show(style="spacefill"),)
+    return SceneFile((Input(path="sample:1hpv"),), shown, settings=Settings().replace(**settings))
+
+
+def first(model):
+    return model.scene.molecules[0].molecule.positions[0].tolist()
+
+
+def rest(view, clock, turns=400):
+    clock.now += 2 * REST
+    for _ in range(turns):
+        view.draw()
+        if view.wait is None:
+            return view.drawn
+    raise AssertionError("the picture never comes to rest")
+
+
+def pixels(drawn):
+    return drawn.gpu.read_texture(drawn.resources["picture"])
+
+
+# --- playing -------------------------------------------------------------------------------------
+
+
+def test_between_frames_atoms_go_straight_and_do_not_fly_across_a_periodic_box(three):
+    trajectory = open_trajectory(three)
+    assert trajectory.between(0.25)[0].tolist() == [1.0, 0.0, 0.0]
+    assert trajectory.between(1.25)[0].tolist() == [4.0, 0.0, 0.0]
+    assert trajectory.between(1.75)[0].tolist() == [4.0, 4 * LEAP, 0.0]
+    assert trajectory.at(2).positions[0].tolist() == [4.0, 4 * LEAP, 0.0]
+
+
+def test_playing_goes_on_with_time_loops_and_one_undo_takes_it_back(model, clock):
+    player = model.player
+    assert player.kind == "frames" and player.length == 3 and player.place == 0
+    player.settings = player.settings.replace(speed=2.0)
+    player.toggle()
+    for passed, expected in ((0.25, 0.5), (0.25, 1.0), (0.5, 2.0), (0.1, 0.0)):
+        clock.now += passed
+        player.tick()
+        assert player.place == pytest.approx(expected)
+        assert player.wait == 0.0
+    clock.now += 0.125
+    player.tick()
+    assert first(model) == pytest.approx([1.0, 0, 0])
+    player.toggle()
+    assert player.wait is None and model.document.load.frame == pytest.approx(0.25)
+    model.undo()
+    assert first(model) == [0, 0, 0] and model.document.load.frame == 0
+    model.redo()
+    assert first(model) == pytest.approx([1.0, 0, 0])
+
+
+def test_the_end_may_turn_back_or_stop_and_steps_are_whole(model, clock):
+    player = model.player
+    player.settings = player.settings.replace(speed=1.0, smooth=False, loop="swing")
+    player.toggle()
+    seen = []
+    for _ in range(5):
+        assert player.wait == pytest.approx(1.0)
+        clock.now += 1.0
+        player.tick()
+        seen.append(player.place)
+    assert seen == [1, 2, 1, 0, 1]
+    player.settings = player.settings.replace(loop="once")
+    for _ in range(3):
+        clock.now += 1.0
+        player.tick()
+    assert player.place == 2 and not player.playing
+    player.step(1)
+    assert player.place == 0
+    player.step(-1)
+    assert player.place == 2 and model.history.can_undo
+
+
+def test_a_film_frame_and_a_rendered_frame_are_where_the_player_is(model, tmp_path):
+    model.player.seek(0.5)
+    scene = tmp_path / "scene.toml"
+    model.save(scene)
+    from scuro.export.scene_file import read_scene_file
+
+    again = read_scene_file(scene).scene()
+    assert again.molecules[0].molecule.positions[0].tolist() == [2.0, 0, 0]
+    one = Model(SceneFile(input=(Input(path="sample:1hpv"),)))
+    assert one.player.length == 0 and one.player.kind == ""
+
+
+def test_the_probe_gets_out_of_the_way_of_moving_atoms(model):
+    pytest.importorskip("numba", reason="needs the viewer extra")
+    assert model.set_probe(ProbeSettings(), (4.0, 0.0, 0.0))
+    model.player.seek(1.0)
+    assert model.probe.constraint.depth(model.probe.position) < 0
+
+
+# --- what takes long -----------------------------------------------------------------------------
+
+
+def test_occlusion_is_baked_in_slices_behind_a_plain_picture(renderer, clock):
+    model = Model(protein())
+    view = View(model, renderer.sibling(), SIZE, clock)
+    rest(view, clock)
+    settings = model.settings.replace(occlusion__technique="baked", occlusion__baked__directions=64)
+    model.change(settings=settings)
+    shares = []
+    while view.wait == 0.0 and len(shares) < 50:
+        view.draw()
+        if view.built is None:
+            break
+        shares.append(view.built)
+        assert view.drawn.settings.occlusion.technique == "none", "the window waited for it"
+        assert view.status.startswith("building")
+    assert len(shares) >= 4 and shares == sorted(shares)
+    expected = renderer.render(model.dressed(view.camera), view.camera, view.full_settings)
+    assert (pixels(rest(view, clock)) == expected.pixels).all()
+    # another view of the scene finds it built
+    other = View(model, renderer.sibling(), SIZE, clock)
+    other.draw()
+    assert other.built is None
+
+
+def test_what_is_being_built_can_be_cancelled(renderer, clock):
+    model = Model(protein(occlusion__technique="baked", occlusion__baked__directions=66))
+    view = View(model, renderer.sibling(), SIZE, clock)
+    view.draw()
+    assert view.built is not None
+    view.stop()
+    assert rest(view, clock).settings.occlusion.technique == "none"
+    assert view.status == "effects left out" and view.complete
+    model.change(settings=model.settings.replace(background="black"))
+    assert view.wait == 0.0
+    view.draw()
+    assert view.built is not None
+
+
+def test_refining_can_be_stopped_and_goes_on_after_a_change(renderer, clock):
+    model = Model(protein(renderer="path", path__samples=40))
+    view = View(model, renderer.sibling(), (48, 36), clock)
+    clock.now += 2 * REST
+    view.draw()
+    view.draw()
+    assert 0 < view.share < 1
+    view.stop()
+    assert view.wait is None and view.status.startswith("stopped at")
+    model.change(settings=model.settings.replace(background="black"))
+    assert view.wait == 0.0 and not view.stopped
+
+
+def test_a_volumes_pyramid_is_built_in_slices_and_is_the_same(renderer):
+    from scuro.passes.volume.classify import Classified
+    from scuro.passes.volume.grid import VolumeGrid
+    from scuro.passes.volume.pyramid import Pyramid
+    from scuro.scene.clip import Clip
+    from scuro.scene.volume import Volume
+    from scuro.style.transfer_choose import choose_transfer
+
+    values = np.random.default_rng(1).random((20, 24, 28), np.float32)
+    volume, center = Volume(values), np.zeros(3)
+    grid = VolumeGrid(renderer.gpu, volume, center)
+    classified = Classified(grid, choose_transfer(volume), 0.5, None)
+    uniform = grid.uniform(0.5, Clip(), center, classified.table_end)
+    whole = Pyramid(classified, uniform)
+    sliced = Pyramid(classified, uniform, build=False)
+    shares = list(sliced.build(1 << 14))
+    assert len(shares) > 6 and shares == sorted(shares) and shares[-1] == pytest.approx(1)
+    read = renderer.gpu.read_texture
+    assert (read(whole.texture) == read(sliced.texture)).all()
+
+
+def test_jobs_do_a_slice_at_a_time_and_leave_nothing_when_cancelled():
+    jobs, seen = Jobs(), []
+
+    def work(name):
+        try:
+            for n in range(3):
+                seen.append((name, n))
+                yield n / 3
+            return f"{name} done"
+        finally:
+            seen.append((name, "end"))
+
+    jobs.add("a", work("a"))
+    jobs.add("b", work("b"))
+    assert jobs.wait == 0.0
+    jobs.tick()
+    jobs.cancel(jobs.waiting[0])
+    for _ in range(9):
+        jobs.tick()
+    assert seen == [("a", 0), ("a", "end"), ("b", 0), ("b", 1), ("b", 2), ("b", "end")]
+    assert jobs.message == "b done" and jobs.wait is None
+
+    def wait():
+        made = yield from in_thread(lambda: 6 * 7)
+        return str(made)
+
+    jobs.add("c", wait())
+    while jobs.wait is not None:
+        jobs.tick()
+    assert jobs.message == "42"
+
+
+# --- undo of everything, and files ---------------------------------------------------------------
+
+
+def test_undo_takes_back_probe_clipping_and_cube(renderer, clock):
+    pytest.importorskip("numba", reason="needs the viewer extra")
+    model = Model(protein())
+    model.set_probe(ProbeSettings())
+    model.change(probe=ProbeSettings(radius=2.0))
+    assert model.probe.constraint.probe == 2.0
+    model.change(clip=(Cut(normal=(1.0, 0, 0)),))
+    model.change(clipping=model.document.clipping.replace(cube=(9.0, 8.0, 7.0)))
+    assert len(model.clip.planes) == 7
+    model.undo()
+    assert len(model.clip.planes) == 1
+    model.undo()
+    assert not model.clip.planes
+    model.undo()
+    assert model.probe.constraint.probe == 1.4
+    model.undo()
+    assert model.probe is None and not model.history.can_undo
+    for _ in range(4):
+        model.redo()
+    assert model.probe.constraint.probe == 2.0 and len(model.clip.planes) == 7
+
+
+@pytest.fixture
+def saving(renderer, clock, tmp_path):
+    pytest.importorskip("numba", reason="needs the viewer extra")
+    model = Model(protein(lighting__preset="simple", depth_of_field__blur=2.0))
+    view = View(model, renderer.sibling(), SIZE, clock)
+    model.change(clip=(Cut(normal=(0.3, 0, 1.0), point=view.camera.target),))
+    model.set_probe(ProbeSettings(clip=True), view.camera.target)
+    view.camera = view.camera.orbited(31.0, 12.0)
+
+    def deliver(name, write):
+        write(tmp_path / name)
+        return f"saved {name}"
+
+    return Saving(view, Jobs(), deliver)
+
+
+def finish(jobs):
+    while jobs.wait is not None:
+        jobs.tick()
+    return jobs.message
+
+
+def test_a_saved_picture_is_what_is_shown_and_what_render_makes_of_it(saving, clock, tmp_path):
+    from PIL import Image
+
+    saving.picture()
+    saving.scene()
+    assert finish(saving._jobs) == "saved scuro.png"
+    saved = np.asarray(Image.open(tmp_path / "scuro.png").convert("RGBA"))
+    assert (pixels(rest(saving.view, clock)) == saved).all()
+    assert saved[..., :3].std() > 20
+    assert read_settings(tmp_path / "scuro.png")["light"], "the probe's light is not in the file"
+    for source in ("scene.toml", "scuro.png"):
+        assert run(["render", str(tmp_path / source), "-o", str(tmp_path / "again.png")]) == 0
+        again = np.asarray(Image.open(tmp_path / "again.png").convert("RGBA"))
+        assert (again == saved).all(), source
+
+
+def test_a_film_from_the_panel_is_that_of_the_command_line(saving, tmp_path):
+    saving.film_settings = FilmSettings(name="film.gif")
+    saving.movie = saving.movie.replace(length=3, motion="rock")
+    saving.film()
+    saving.scene()
+    assert finish(saving._jobs) == "saved film.gif"
+    command = ["movie", str(tmp_path / "scene.toml"), "--length", "3", "--motion", "rock"]
+    assert run([*command, "-o", str(tmp_path / "again.gif")]) == 0
+    assert (tmp_path / "film.gif").read_bytes() == (tmp_path / "again.gif").read_bytes()
+
+
+def test_saving_says_what_it_cannot_do(saving):
+    for name, words in (("picture.bmp", "bmp"), ("../.hidden", "no name of a file")):
+        saving.picture_settings = saving.picture_settings.replace(name=name)
+        saving.picture()
+        assert words in finish(saving._jobs)
+    saving.picture_settings = saving.picture_settings.replace(name="a.png")
+    saving.picture()
+    saving._jobs.tick()
+    saving.view.model.change(settings=saving.view.model.settings.replace(background="black"))
+    assert "changed meanwhile" in finish(saving._jobs)
