@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+import weakref
+from collections.abc import Callable, Mapping
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,7 @@ class Program:
         self.pipeline = pipeline
         self.name = PurePosixPath(source.file).stem
         self._layouts = layouts
-        self._groups: dict[tuple, tuple[Any, list[Any]]] = {}
+        self._groups: dict[tuple, tuple[Any, list[weakref.ref[Any]]]] = {}
 
     def bind(self, gpu: Gpu, resources: Mapping[str, Any]) -> list[Any]:
         """One bind group for each ``@group``, from resources by name."""
@@ -44,11 +45,20 @@ class Program:
             if key not in self._groups:
                 if len(self._groups) > 64:
                     self._groups.clear()
-                # holding the resources keeps their identities from being reused
                 group = gpu.device.create_bind_group(layout=layout, entries=entries)
-                self._groups[key] = (group, held)
+                self._groups[key] = (group, [weakref.ref(h, self._forget(key)) for h in held])
             groups.append(self._groups[key][0])
         return groups
+
+    def _forget(self, key: tuple) -> Callable[[Any], None]:
+        """Drops a group when a resource goes: nothing is kept alive only because it was bound once,
+        and its identity may be another's next."""
+        groups = self._groups
+
+        def forget(_: Any) -> None:
+            groups.pop(key, None)
+
+        return forget
 
     def _resource(self, gpu: Gpu, binding: Any, value: Any) -> tuple[Any, Any]:
         if binding.space == "uniform" and isinstance(value, Mapping):

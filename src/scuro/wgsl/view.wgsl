@@ -80,7 +80,8 @@ fn pixel_width(depth: f32) -> f32 {
 // Picture-plane interval of a sphere along one axis, in view units at distance 1 (or scene units):
 // its tangents from the eye (Mara & McGuire 2013); everything when it reaches beside the eye.
 fn picture_interval(along: f32, ahead: f32, radius: f32) -> vec2f {
-    if (view.orthographic != 0u) {
+    // the sign bit, always 0, hides the uniform's value from lavapipe: see gpu/shader.py
+    if (view.orthographic + (bitcast<u32>(radius) >> 31u) != 0u) {
         return vec2f(along - radius, along + radius);
     }
     let square = along * along + ahead * ahead - radius * radius;

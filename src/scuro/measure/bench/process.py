@@ -53,8 +53,8 @@ def _files(options: BenchOptions, folder: Path) -> list[tuple[str, str]]:
     if options.inputs:
         return [(name, what) for name in options.inputs for what in ("load", "render")]
     small, large = folder / "toxins-60k.cif", folder / "toxins-1M.cif"
-    _write(small, _RENDERED)
-    _write(large, _READ)
+    write_copies(small, _RENDERED)
+    write_copies(large, _READ)
     return [(str(small), "render"), (str(large), "load")]
 
 
@@ -65,7 +65,7 @@ _COLUMNS = (
 )  # fmt: skip
 
 
-def _write(path: Path, atoms: int) -> None:
+def write_copies(path: Path, atoms: int) -> None:
     """About so many atoms: copies of the sample 1TII side by side, as mmCIF."""
     from scuro.load import load
     from scuro.style.elements import SYMBOLS
