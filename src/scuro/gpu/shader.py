@@ -90,10 +90,6 @@ class Source:
         return self.lines[line - 1] if 0 < line <= len(self.lines) else (self.file, line)
 
 
-_LOOP = re.compile(r"(for \(var (\w+) = (?:0u|1u|\w+\.\w+); )\2 (<|<=) ([a-z_]+\.[a-z_.]+);")
-"""A loop over a counter without sign to a field of a uniform."""
-
-
 @cache
 def load(file: str) -> Source:
     """Read a shader of the package, e.g. ``"passes/compose/shade.wgsl"``."""
@@ -134,17 +130,6 @@ def parse(text: str, file: str, lines: tuple[tuple[str, int], ...]) -> Source:
     return Source(file, text, lines, bindings, structs, workgroups, overrides)  # type: ignore[arg-type]
 
 
-def _unforeseen(loop: re.Match[str]) -> str:
-    """A loop whose end the driver cannot foresee from a uniform's value.
-
-    Mesa's lavapipe compiles a loop that ends at a uniform's value for that value, and loses some
-    200 kB at every dispatch while it looks for the compiled one. The sign
-    bit of the counter, always 0, hides the value from it.
-    """
-    head, counter, sign, end = loop.group(1, 2, 3, 4)
-    return f"{head}{counter} {sign} {end} + ({counter} >> 31u);"
-
-
 def _expand(
     path: Path, name: str, seen: set[Path], text: list[str], lines: list[tuple[str, int]]
 ) -> None:
@@ -162,7 +147,7 @@ def _expand_lines(
     for number, line in enumerate(body.splitlines(), start=1):
         match = _INCLUDE.fullmatch(line.strip())
         if match is None:
-            text.append(_LOOP.sub(_unforeseen, line))
+            text.append(line)
             lines.append((name, number))
             continue
         for folder in (ROOT / "wgsl", path.parent):

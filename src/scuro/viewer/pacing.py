@@ -12,6 +12,8 @@ _HOPELESS = 0.7
 """Where the smallest picture would have to be so much smaller, effects are left out."""
 _STEPS = 20
 """Sizes are multiples of one in so many: a texture is kept for each while it is used."""
+_AIM = 0.95
+"""Share of the target that is aimed at: frames vary."""
 _CALM = 1.25
 """The share grows only when frames are this much faster than the target, so that it rests."""
 
@@ -25,6 +27,8 @@ class Pacing:
 
     def __init__(self, target: float) -> None:
         self.target = target
+        self.beside = 0.0
+        """Seconds a frame takes besides the picture: the panel, copying it to the screen."""
         self.scale = 0.5
         """Share of the full width and height."""
         self.plain = False
@@ -34,7 +38,7 @@ class Pacing:
         """Take note of how long the last moving picture took, at the present scale."""
         if seconds <= 0:
             return
-        ratio = self.target / seconds
+        ratio = max(_AIM * self.target - self.beside, 0.2 * self.target) / seconds
         if 1 <= ratio < _CALM:
             return
         # time goes with the number of pixels; half the way at once keeps one slow frame from

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import json
 import time
@@ -236,6 +237,7 @@ def stream_handler(model: Any) -> Callable[[Any], Any]:
             except (ValueError, TypeError, OverflowError):
                 answer = {"error": 'send {"target": [x, y, z]} in ångström'}
             await socket.send_str(json.dumps(answer))
+            await asyncio.sleep(0)  # one that sends without end leaves others their turn
         if model.probe is not None:
             model.tell()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -127,12 +128,18 @@ class Screen:
             target: Texture of the physical size.
         """
         self._touched = False
+        begun = time.perf_counter()
         self._tick()
         self._lay_out()
+        ready = time.perf_counter()
         drawn = self.view.draw()
+        shown = time.perf_counter()
         self._show(drawn, target)
         self._look()
         self.gui.draw(target.create_view(), self.logical, self.ratio, self._interface)
+        beside = ready - begun + time.perf_counter() - shown
+        pacing = self.view.pacing
+        pacing.beside += 0.2 * (min(beside, 0.5 * pacing.target) - pacing.beside)
 
     def _tick(self) -> None:
         """Do what time brings."""

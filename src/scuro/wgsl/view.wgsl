@@ -80,7 +80,8 @@ fn pixel_width(depth: f32) -> f32 {
 // Picture-plane interval of a sphere along one axis, in view units at distance 1 (or scene units):
 // its tangents from the eye (Mara & McGuire 2013); everything when it reaches beside the eye.
 fn picture_interval(along: f32, ahead: f32, radius: f32) -> vec2f {
-    // the sign bit, always 0, hides the uniform's value from lavapipe: see gpu/shader.py
+    // Mesa's lavapipe compiles what branches on a uniform alone for the uniform's value, and loses
+    // 200 kB at every dispatch in finding it again: the sign bit, always 0, hides the value
     if (view.orthographic + (bitcast<u32>(radius) >> 31u) != 0u) {
         return vec2f(along - radius, along + radius);
     }

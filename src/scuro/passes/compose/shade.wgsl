@@ -45,7 +45,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         open = textureLoad(visibility, id, 0).x;
     }
     var sum = base * lights.ambient * open;
-    for (var i = 0u; i < lights.count; i += 1u) {
+    // the sign bit, always 0, hides the uniform's value from lavapipe: see picture_interval
+    for (var i = 0u; i < lights.count + (i >> 31u); i += 1u) {
         let light = lights.list[i];
         let arriving = incoming_light(light, position);
         let facing = dot(normal, arriving.direction);
