@@ -26,7 +26,9 @@ _WELLS = {
     "gas injector": (205, 60, 45, 255),
 }
 _OTHER_WELL = (110, 110, 115, 255)
-EDGE_RADIUS = 2.5e-4
+EDGE_RADIUS = 6e-4
+EDGE_SHARE = 0.06
+"""Edges are no thicker than this share of the narrowest way across their faces."""
 WELL_RADIUS = 2e-3
 """Of the model's diagonal."""
 WELL_HEAD = 0.15
@@ -45,6 +47,7 @@ def reservoir_bodies(item: ReservoirItem) -> list[Body]:
     chosen = np.zeros(grid.active.shape, bool)
     chosen[grid.active] = item.chosen()
     bodies = []
+    passing = chosen
     if item.show == "slices":
         chosen = chosen & _layers(item)
     if item.show in ("cells", "slices"):
@@ -55,7 +58,7 @@ def reservoir_bodies(item: ReservoirItem) -> list[Body]:
     if item.show == "iso":
         bodies.append(_iso_body(item, chosen))
     if settings.faults:
-        split = fault_faces(grid, chosen, e)
+        split = fault_faces(grid, passing, e)
         colors = np.tile(np.array(_FAULT, np.uint8), (len(split.cells), 1))
         bodies.append(_body(_quads(split, colors), f"{name} faults"))
     if settings.lines:
@@ -169,17 +172,24 @@ def _smooth_normals(triangles: NDArray[np.float32]) -> NDArray[np.float32]:
     return sums.reshape(triangles.shape).astype(np.float32)
 
 
-def _edges(faces: Faces, radius: float) -> tuple[Geometry, NDArray]:
-    """Thin rods along the faces' edges, each edge once."""
+def _edges(faces: Faces, widest: float) -> tuple[Geometry, NDArray]:
+    """Thin rods along the faces' edges, each edge once; thinner where cells are flat."""
     local, origin = _local(faces.corners)
-    ends = np.stack([local, np.roll(local, -1, axis=1)], axis=2).reshape(-1, 2, 3)
-    keys = np.rint(ends / (radius * 0.5)).astype(np.int64)
+    ends = np.stack([local, np.roll(local, -1, axis=1)], axis=2)
+    across = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=-1)
+    narrow = (across + np.roll(across, 2, axis=1)).min(axis=1) / 2
+    thick = np.repeat(np.minimum(widest, EDGE_SHARE * narrow), 4)
+    ends = ends.reshape(-1, 2, 3)
+    keys = np.rint(ends / (widest * 0.2)).astype(np.int64)
     swapped = (keys[:, 0] > keys[:, 1]).any(axis=1) & (keys[:, 0].sum(1) > keys[:, 1].sum(1))
     keys[swapped] = keys[swapped][:, ::-1]
-    _, first = np.unique(keys.reshape(-1, 6), axis=0, return_index=True)
-    ends = ends[first]
-    ends = ends[np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) > radius]
-    rods = np.concatenate([ends, np.full((len(ends), 2, 1), radius, np.float32)], axis=2)
+    _, first, which = np.unique(keys.reshape(-1, 6), axis=0, return_index=True, return_inverse=True)
+    radius = np.zeros(len(first), np.float32)
+    np.maximum.at(radius, which.ravel(), thick)
+    kept = (np.linalg.norm(ends[first, 1] - ends[first, 0], axis=1) > radius) & (radius > 0)
+    ends, radius = ends[first][kept], radius[kept]
+    both = np.broadcast_to(radius[:, None, None], (len(radius), 2, 1))
+    rods = np.concatenate([ends, both], axis=2)
     colors = np.tile(np.array(_EDGE, np.uint8), (len(rods), 2, 1))
     ids = np.full((len(rods), 2), -1, np.int32)
     return Geometry(rods=rods.astype(np.float32), rod_colors=colors, rod_ids=ids), origin
