@@ -31,7 +31,10 @@ def test_attenuation_is_found_again():
     volume = Volume((255 * (np.hypot(np.hypot(x, y), z) > 8)).astype(np.uint8))
     scene = Scene([]).add(volume)
     settings = Settings(size=(96, 96), background="black").replace(
-        volume__jitter=0.0, volume__opacity="0:0 255:0.05", volume__occlusion__gap=1.0
+        lighting__preset="studio",
+        volume__jitter=0.0,
+        volume__opacity="0:0 255:0.05",
+        volume__occlusion__gap=1.0,
     )
     renderer = Renderer()
     made = Variant("made", {"volume__occlusion__attenuation": 0.6})
@@ -43,13 +46,16 @@ def test_attenuation_is_found_again():
 
 def test_what_is_fitted_depends_on_the_technique():
     def paths(**changes):
-        return [n.path.removeprefix("volume__") for n in numbers_to_fit(
-            Settings().replace(**{f"volume__{k}": v for k, v in changes.items()}))]  # fmt: skip
+        changed = {f"volume__{name}": value for name, value in changes.items()}
+        found = numbers_to_fit(Settings().replace(lighting__preset="studio", **changed))
+        return [n.path.removeprefix("volume__") for n in found]
 
     assert paths() == ["occlusion__attenuation"]
     assert paths(light="slices")[0] == "occlusion__slice_angle"
     assert paths(light="monte-carlo") == []
     assert paths(occlusion__on=False, shadow__on=True) == ["shadow__attenuation"]
+    implied = numbers_to_fit(Settings().replace(lighting__preset="full"))
+    assert [n.path for n in implied][1:] == ["volume__shadow__attenuation"]
 
 
 def test_difference_maps_show_where_pictures_differ():

@@ -41,7 +41,10 @@ class Number:
 
 def numbers_to_fit(settings: Settings) -> list[Number]:
     """What to fit of a technique for volumes as these settings draw it."""
+    from scuro.passes.compose.lighting import with_implied
+
     volume = settings.volume
+    shadows = volume.shadow.on or with_implied(settings).shadows.technique != "none"
     found: list[Number] = []
     if volume.sampled:
         return found
@@ -49,7 +52,7 @@ def numbers_to_fit(settings: Settings) -> list[Number]:
         if volume.light == "slices":
             found.append(Number("volume__occlusion__slice_angle", 2.0, 80.0))
         found.append(Number("volume__occlusion__attenuation", 0.02, 2.0))
-    if volume.shadow.on:
+    if shadows:
         found.append(Number("volume__shadow__attenuation", 0.02, 2.0))
     return found
 

@@ -8,7 +8,7 @@ sixth of the size and held against Monte Carlo there, with the attenuation that 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -79,8 +79,15 @@ def _volumes(options: BenchOptions) -> Iterator[tuple[str, Volume, tuple[int, in
         for name in options.inputs:
             yield name, load(name), options.size, 0.5
         return
-    yield "head 197×233×189", _head(), options.size, 1.0
-    yield "Marschner-Lobb 256³", _marschner_lobb(256), (768, 768), 0.5
+    (head, head_volume), (signal, signal_volume) = made_volumes()
+    yield head, head_volume, options.size, 1.0
+    yield signal, signal_volume, (768, 768), 0.5
+
+
+def made_volumes() -> Iterator[tuple[str, Volume]]:
+    """Two volumes made here, by name."""
+    yield "head 197×233×189", _head()
+    yield "Marschner-Lobb 256³", _marschner_lobb(256)
 
 
 def _head() -> Volume:
@@ -106,17 +113,24 @@ def _marschner_lobb(n: int) -> Volume:
 
 def _prepare(renderer: Renderer, scene: Scene, base: Settings, name: str) -> dict[str, Any]:
     """Seconds of the pyramid alone: what a new transfer function costs."""
+    maker = pyramid_maker(renderer, scene.volumes[0].volume, base)
+    return _row(name, "pyramid", "", median_seconds(maker, 2), None, None)
+
+
+def pyramid_maker(
+    renderer: Renderer, volume: Volume, base: Settings | None = None
+) -> Callable[[], Any]:
+    """A function that makes a volume's extinction pyramid, for timing."""
     from scuro.passes.volume.draw import VolumePicture
     from scuro.passes.volume.pyramid import Pyramid
     from scuro.scene.clip import Clip
     from scuro.style.transfer_choose import choose_transfer
 
-    volume = scene.volumes[0].volume
+    settings = (base or Settings()).volume
     picture = VolumePicture(renderer.gpu, volume, volume.bounds.mean(axis=0))
-    classified = picture.classified(choose_transfer(volume), base.volume)
-    uniform = picture.uniform(base.volume, Clip(), classified)
-    seconds = median_seconds(lambda: Pyramid(classified, uniform), 2)
-    return _row(name, "pyramid", "", seconds, None, None)
+    classified = picture.classified(choose_transfer(volume), settings)
+    uniform = picture.uniform(settings, Clip(), classified)
+    return lambda: Pyramid(classified, uniform)
 
 
 def _measure(

@@ -32,7 +32,7 @@ def read_sections(path: Path) -> dict[str, str]:
     if not path.exists():
         return {}
     pieces = re.split(r"^## (.+)\n", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
-    return {title: text.strip() for title, text in zip(pieces[1::2], pieces[2::2], strict=True)}
+    return {title: text.strip("\n") for title, text in zip(pieces[1::2], pieces[2::2], strict=True)}
 
 
 def grid(heads: Sequence[str], rows: Mapping[str, tuple[float | str | None, ...]]) -> str:
