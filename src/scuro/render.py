@@ -30,6 +30,7 @@ from scuro.passes.post.naming import draw_labels
 from scuro.passes.post.stereo import eye_camera, eye_size, join_eyes, keep_left_eye
 from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
+from scuro.passes.semantic.recolor import color_by_level
 from scuro.passes.shadow.shadow import draw_shadows
 from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.passes.volume.frame import Volumes
@@ -180,6 +181,8 @@ class Renderer:
         if settings.renderer == "path":
             self._paths.draw(frame)
         elif settings.semantic.mode == "off":
+            if settings.semantic.palette:
+                color_by_level(frame, scene.hierarchy())
             _light(frame)
             self._layers.draw(frame, _light)
         else:

@@ -5,6 +5,7 @@ import pytest
 
 from scuro.app.cli import run
 from scuro.export.zoom import landing_point, zoom_of, zoom_settings
+from scuro.passes.semantic.levels import thresholds
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
@@ -74,6 +75,26 @@ def test_mean_luminance_never_jumps_on_the_way(scene):
         ]
         jumps.append(abs(pair[1] - pair[0]) / 255)
     assert max(jumps) < 0.01
+
+
+def test_nothing_jumps_where_a_level_is_reached(scene):
+    """Just before and just after each threshold the picture is the same, pixel by pixel."""
+    renderer = Renderer()
+    settings = zoom_settings(scene, Settings(size=(192, 108)))
+    zoom = zoom_of(scene, renderer.fitted(scene, settings), None)
+    frame = renderer.frame(scene, zoom.start, settings)
+    frame.recorder.submit()
+    steps = [t for t in thresholds(frame, scene.hierarchy()) if zoom.nearest < t]
+    assert len(steps) >= 3
+    for step in steps[1:]:
+        share = np.log(zoom.start.distance / step) / np.log(zoom.start.distance / zoom.nearest)
+        before, after = (
+            np.asarray(renderer.render(scene, zoom.camera(share + d), settings))[..., :3].astype(
+                int
+            )
+            for d in (-1e-6, 1e-6)
+        )
+        assert np.abs(after - before).mean() < 0.1
 
 
 def test_one_command_makes_the_film(tmp_path):

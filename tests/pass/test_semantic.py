@@ -116,7 +116,8 @@ def test_without_semantics_both_occlude_alike(renderer):
     assert other < 0.95
 
 
-def test_between_thresholds_the_two_levels_results_are_interpolated(renderer):
+@pytest.mark.parametrize("mode", ["screen", "traced"])
+def test_between_thresholds_the_two_levels_results_are_interpolated(renderer, mode):
     # one region on the first level, two on the second
     scene = scene_of(
         plate(0, 20, (200, 200, 200), ("root", "A", "floor")),
@@ -128,7 +129,7 @@ def test_between_thresholds_the_two_levels_results_are_interpolated(renderer):
     away = float(np.linalg.norm(np.subtract(camera.position, center)))
 
     def visible(first: float, second: float) -> np.ndarray:
-        settings = settings_of(thresholds=(first, second), blur_occlusion=0)
+        settings = settings_of(mode=mode, rays=128, thresholds=(first, second), blur_occlusion=0)
         return buffers(renderer, scene, camera, settings, "gathered")[0][beside][..., 3]
 
     coarse = visible(away, away / 2)
@@ -136,7 +137,9 @@ def test_between_thresholds_the_two_levels_results_are_interpolated(renderer):
     half = visible(1.5 * away, 0.5 * away)
     assert coarse.mean() > fine.mean() + 0.03
     # near occlusion fades with depth too, but a flat plate has none at this distance
-    np.testing.assert_allclose(half, (coarse + fine) / 2, atol=0.02)
+    if mode == "traced":  # each ray belongs to one level, by chance: true in the mean
+        coarse, fine, half = (values.mean() for values in (coarse, fine, half))
+    np.testing.assert_allclose(half, (coarse + fine) / 2, atol=0.02 if mode == "screen" else 0.01)
 
 
 def test_regions_buffer_holds_both_levels(renderer):

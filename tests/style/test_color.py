@@ -160,3 +160,24 @@ def test_auto_shows_chains_of_a_complex_and_elements_of_all_else(mixture):
     auto, by_chain = atom_colors(one, "auto"), polymer_atoms(one) & (one.element == 6)
     assert (auto[by_chain] == chains[by_chain]).all()
     assert (auto[~by_chain] == elements[~by_chain]).all()
+
+
+def test_a_palette_colors_the_outer_compartments_and_spreads_below_them():
+    from scuro.style.hierarchy import hierarchy_colors, palette_colors
+    from scuro.style.palettes import lch_of, oklch
+
+    paths = [("root", "plasma", "a"), ("root", "plasma", "b"), ("root", "virus", "c")]
+    palette = palette_colors("#4477aa, orange")
+    assert hierarchy_colors(paths, 1, palette).tolist() == [
+        [68, 119, 170], [68, 119, 170], [255, 165, 0],
+    ]  # fmt: skip
+    leaves = hierarchy_colors(paths, None, palette)
+    hues = lch_of(leaves)[:, 2]
+    assert leaves[0].tolist() != leaves[1].tolist()
+    assert np.abs(hues[:2] - lch_of(palette)[0, 2]).max() <= 26
+    rgb = np.array([[10, 200, 90], [255, 255, 255], [3, 3, 3]], np.uint8)
+    lightness, chroma, hue = lch_of(rgb).T
+    np.testing.assert_allclose(oklch(lightness, chroma, hue).astype(int), rgb, atol=1)
+    assert len(palette_colors("tab10")) == 10 and len(palette_colors("viridis")) == 8
+    with pytest.raises(SettingsError, match="nonsense"):
+        palette_colors("nonsense")

@@ -44,7 +44,7 @@ class StructureLibrary:
         self.notes: list[str] = []
         homes = [] if options.structures is None else [Path(options.structures).expanduser()]
         if homes and not homes[0].is_dir():
-            raise LoadError(options.structures, "is not a folder of structures")
+            raise LoadError(homes[0], "is not a folder of structures")
         if source.path is not None:
             homes += [source.path.parent / name for name in FOLDERS]
         self._files = _index(homes)
@@ -168,7 +168,11 @@ def structure_of_molecule(molecule: Molecule, copies: bool = False) -> Structure
 
 def _expanded(base: Structure, assembly: tuple) -> Structure:
     """All copies of an assembly as atoms of one structure, each with chains of its own."""
-    spheres, source, chains, residues, names = [], [], [], [], []
+    spheres: list[NDArray] = []
+    source: list[NDArray] = []
+    chains: list[NDArray] = []
+    residues: list[NDArray] = []
+    names: list[str] = []
     for part in assembly:
         atoms = np.flatnonzero(np.isin(base.chain, part.chains))
         matrices = rotation_matrices(part.rotations)

@@ -208,7 +208,7 @@ def _read_npz(source: Source) -> _Table:
         raise LoadError(source.name, "has arrays of different lengths")
     if len(which) and not (which.min() >= 0 and which.max() < len(kinds)):
         raise LoadError(source.name, "has instances of ingredients that it does not list")
-    return _Table([tuple(map(str, k)) for k in kinds], which, positions, rotations)
+    return _Table([(str(a), str(b), str(c)) for a, b, c in kinds], which, positions, rotations)
 
 
 def save_table(path: Path, model: MesoscaleModel) -> None:
@@ -249,7 +249,7 @@ def save_table(path: Path, model: MesoscaleModel) -> None:
         beside = path.with_name(f".{path.name}.part")
         with open(beside, "wb") as file:
             if suffix == ".meso":
-                np.savez_compressed(file, **arrays)
+                np.savez_compressed(file, allow_pickle=False, **arrays)
             else:
                 _write_text(file, arrays, "," if suffix == ".csv" else "\t")
         beside.replace(path)

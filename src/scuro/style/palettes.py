@@ -91,24 +91,36 @@ def pastel(count: int, lightness: float) -> NDArray[np.uint8]:
     return oklch(np.full(count, lightness), 0.075, 25.0 + 137.508 * np.arange(count))
 
 
-def oklch(lightness: NDArray, chroma: float, hue_degrees: NDArray) -> NDArray[np.uint8]:
+_LMS_FROM_LAB = np.array(
+    [
+        [1.0, 1.0, 1.0],
+        [0.3963377774, -0.1055613458, -0.0894841775],
+        [0.2158037573, -0.0638541728, -1.2914855480],
+    ]
+)
+_RGB_FROM_LMS = np.array(
+    [
+        [4.0767416621, -1.2684380046, -0.0041960863],
+        [-3.3077115913, 2.6097574011, -0.7034186147],
+        [0.2309699292, -0.3413193965, 1.7076147010],
+    ]
+)
+"""Ottosson (2020), for rows."""
+
+
+def oklch(lightness: NDArray, chroma: float | NDArray, hue_degrees: NDArray) -> NDArray[np.uint8]:
     """sRGB (n, 3) of OKLCh colours (Ottosson 2020), clipped to the gamut."""
     hue = np.radians(hue_degrees)
     lab = np.stack([lightness, chroma * np.cos(hue), chroma * np.sin(hue)], axis=-1)
-    lms = lab @ np.array(
-        [
-            [1.0, 1.0, 1.0],
-            [0.3963377774, -0.1055613458, -0.0894841775],
-            [0.2158037573, -0.0638541728, -1.2914855480],
-        ]
-    )
-    linear = lms**3 @ np.array(
-        [
-            [4.0767416621, -1.2684380046, -0.0041960863],
-            [-3.3077115913, 2.6097574011, -0.7034186147],
-            [0.2309699292, -0.3413193965, 1.7076147010],
-        ]
-    )
-    linear = linear.clip(0, 1)
+    linear = ((lab @ _LMS_FROM_LAB) ** 3 @ _RGB_FROM_LMS).clip(0, 1)
     curve = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     return np.round(255 * curve).astype(np.uint8)
+
+
+def lch_of(rgb: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """(n, 3) lightness, chroma and hue in degrees of sRGB colours (n, 3): inverse of oklch."""
+    c = np.asarray(rgb, np.float64) / 255
+    linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+    lab = np.cbrt(linear @ np.linalg.inv(_RGB_FROM_LMS)) @ np.linalg.inv(_LMS_FROM_LAB)
+    hue = np.degrees(np.arctan2(lab[:, 2], lab[:, 1]))
+    return np.stack([lab[:, 0], np.hypot(lab[:, 1], lab[:, 2]), hue], axis=-1)

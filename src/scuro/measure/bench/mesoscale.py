@@ -47,7 +47,8 @@ COSTS: dict[str, tuple[float, dict[str, Any], dict[str, Any]]] = {
 
 def run(options: BenchOptions) -> dict[str, Any]:
     """Measure every scene; see the module."""
-    rows, costs = [], {}
+    rows: list[dict[str, Any]] = []
+    costs: dict[str, dict[str, float]] = {}
     adapter = ""
     for name, model, seconds in models(options):
         renderer = Renderer(options.device)

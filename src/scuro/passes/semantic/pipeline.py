@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from scuro.passes.frame import Frame
 from scuro.passes.semantic.levels import (
-    Place,
     atom_radius,
     depth_limit,
     distance_of,
@@ -21,10 +20,10 @@ from scuro.passes.semantic.levels import (
     place,
     region_table,
 )
+from scuro.passes.semantic.recolor import color_by_level
 from scuro.passes.semantic.settings import SemanticSettings
 from scuro.passes.semantic.smooth import rested, smoothed
 from scuro.scene.regions import Hierarchy
-from scuro.style.hierarchy import hierarchy_colors
 from scuro.trace.table import float_table
 
 CALM_FROM = 0.5
@@ -38,8 +37,7 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     here = place(frame, hierarchy)
     frame.resources["levels"] = levels_uniform(hierarchy, here)
     frame.resources["region_table"] = region_table(frame.gpu, hierarchy)
-    if settings.color and hierarchy.painted.any():
-        _recolor(frame, hierarchy, here)
+    color_by_level(frame, hierarchy)
     frame.target("regions", "rgba32uint", clear=_EMPTY)
     frame.compute_tiles("passes/semantic/regions.wgsl")
     calm = {"surface": _calm(frame, settings)}
@@ -73,24 +71,6 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     }
     frame.target("color", "rgba16float", clear=_EMPTY)
     frame.compute_tiles("passes/semantic/combine.wgsl", occlusion, label="combine")
-
-
-def _recolor(frame: Frame, hierarchy: Hierarchy, here: Place) -> None:
-    """Replace ``albedo`` of what is coloured by hierarchy with the colours of the level in view."""
-    levels = hierarchy.levels
-    now, then = (levels[min(here.level + k, len(levels) - 1)].depth for k in (0, 1))
-    depth = now + here.blend * (then - now)
-    colors = np.zeros((len(hierarchy.paths), 4), np.uint8)
-    painted = np.flatnonzero(hierarchy.painted)
-    colors[painted, :3] = hierarchy_colors([hierarchy.paths[i] for i in painted], depth)
-    colors[painted, 3] = 255
-    albedo = frame.resources["albedo"]
-    frame.target("level_albedo", "rgba16float", clear=(0, 0, 0, 0))
-    object_colors = frame.gpu.buffer(colors.view(np.uint32)[:, 0], label="colours")
-    frame.compute_tiles(
-        "passes/semantic/recolor.wgsl", {"albedo": albedo, "object_colors": object_colors}
-    )
-    frame.resources["albedo"] = frame.resources["level_albedo"]
 
 
 def _calm(frame: Frame, settings: SemanticSettings) -> Any:

@@ -84,3 +84,8 @@ class SemanticSettings(SettingsGroup):
     color: bool = setting(
         True, "colour by the level in view: hues spread as the camera comes closer"
     )
+    palette: str = setting(
+        "",
+        "colours of the outermost compartments, with commas between them, or a colour map's name; "
+        "hues spread evenly by default",
+    )
