@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 from scuro.errors import LoadError, SettingsError
 from scuro.load import load
 from scuro.load.reservoir_grdecl import _numbers
+from scuro.load.reservoir_records import RecordFile
+from scuro.load.source import Source
 from scuro.scene.cornerpoint_synthetic import faulted_dome
 from scuro.scene.cornerpoint_topology import count_cells, split_faces, vertex_values
 
@@ -173,6 +175,43 @@ def test_truncated_restart_keeps_whole_steps(shared: Path, tmp_path: Path) -> No
     assert 3 <= len(grid.steps) <= 5
     assert any("steps before are used" in note for note in grid.notes)
     assert np.isfinite(grid.values("PRESSURE")).all()
+
+
+@pytest.mark.parametrize("ending", ["EGRID", "INIT", "UNRST"])
+def test_cuts_and_flipped_bytes_never_raise_anything_else(
+    shared: Path, tmp_path: Path, ending: str
+) -> None:
+    """At record boundaries, within records, and anywhere: a grid, or one clear sentence."""
+    folder = shared / "reservoir/opm_model2"
+    for other in ("EGRID", "INIT", "UNRST"):
+        shutil.copy(folder / f"9_EDITNNC.{other}", tmp_path / f"A.{other}")
+    path = tmp_path / f"A.{ending}"
+    data = path.read_bytes()
+    starts = [record.start for record in RecordFile(Source(path.name, path)).records]
+    rng = np.random.default_rng(5)
+    some = sorted(rng.choice(starts, min(len(starts), 25), replace=False).tolist())
+    cuts = [s + o for s in some for o in (0, 1, 20, 24, 40)] + rng.integers(
+        0, len(data), 15
+    ).tolist()
+    broken = [data[:cut] for cut in cuts]
+    for n in range(40):
+        flipped = bytearray(data)
+        near = int(rng.choice(starts)) + int(rng.integers(40))
+        flipped[near if n % 2 else int(rng.integers(len(data)))] = int(rng.integers(256))
+        broken.append(bytes(flipped))
+    loaded = 0
+    for content in broken:
+        path.write_bytes(content)
+        grid = None
+        try:
+            grid = load(tmp_path / "A.EGRID")
+            loaded += 1
+            for name in grid.properties:
+                grid.values(name)
+        except (LoadError, SettingsError) as error:
+            assert str(error) and "\n" not in str(error)
+            assert ending == "EGRID" or grid, "the geometry is whole: it is shown all the same"
+    assert loaded > 10
 
 
 def test_wrong_property_length_is_told(tmp_path: Path, dome) -> None:

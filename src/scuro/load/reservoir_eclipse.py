@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import lru_cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -57,7 +58,12 @@ def read_eclipse(source: Source, options: LoadOptions) -> CornerPointGrid:
     notes = [f"{grid_source.name}: {records.cut_off}"] if records.cut_off else []
     count = int(np.prod(geometry.dimensions))
     active_count = count if geometry.active is None else int(np.count_nonzero(geometry.active))
-    system, statics = _read_init(grid_source, count, active_count, geometry.active, notes)
+    # damage beside the grid takes nothing from the grid itself
+    system, statics = "", {}
+    try:
+        system, statics = _read_init(grid_source, count, active_count, geometry.active, notes)
+    except LoadError as error:
+        notes.append(f"{error}; left out")
     steps, wells, restart_system = _read_restarts(
         grid_source, count, active_count, geometry.active, notes
     )
@@ -175,7 +181,11 @@ def _read_init(
         if record.keyword in _HEADERS or record.length in (0, 1):
             continue
         if record.length in (count, active_count):
-            values = records.read(record)
+            try:
+                values = records.read(record)
+            except LoadError as error:
+                notes.append(f"{error}; left out")
+                continue
             if values.dtype.kind in "if":
                 statics.setdefault(record.keyword, _active_values(values, count, active))
         elif record.keyword in ("PORO", "PERMX", "PERMY", "PERMZ", "NTG"):
@@ -191,16 +201,16 @@ def _read_restarts(
 ) -> tuple[tuple[TimeStep, ...], tuple[Well, ...], str]:
     files: list[RecordFile] = []
     unified = _beside(source, ("unrst", "funrst"))
-    if unified is not None:
-        files.append(RecordFile(unified))
-    elif source.path is not None:
-        for path in sorted(source.path.parent.glob(f"{_escaped(source.stem)}.*")):
-            if _RESTART.search(path.name):
-                try:
-                    files.append(RecordFile(open_source(path)))
-                except LoadError as error:
-                    notes.append(f"{error}; left out")
-    if not files:
+    found = [] if unified is None else [unified]
+    if unified is None and source.path is not None:
+        beside = sorted(source.path.parent.glob(f"{_escaped(source.stem)}.*"))
+        found = [open_source(path) for path in beside if _RESTART.search(path.name)]
+    for restart in found:
+        try:
+            files.append(RecordFile(restart))
+        except LoadError as error:
+            notes.append(f"{error}; left out")
+    if not found:
         notes.append("there is no restart file beside the grid: no pressures or saturations")
         return (), (), "METRIC"
     steps: list[TimeStep] = []
@@ -210,14 +220,17 @@ def _read_restarts(
         if records.cut_off:
             notes.append(f"{records.name}: {records.cut_off}; the steps before are used")
         starts = [n for n, r in enumerate(records.records) if r.keyword == "INTEHEAD"]
-        for first, last in zip(starts, [*starts[1:], len(records.records)], strict=True):
+        for first, last in pairwise([*starts, len(records.records)]):
             ends_inside = bool(records.cut_off) and last == len(records.records)
             if ends_inside and records.find("ENDSOL", first, last) is None:
                 continue
-            head = records.read(records.records[first])
-            system = _SYSTEMS.get(int(head[2]), system)
-            steps.append(_step(records, head, first, last, count, active_count, active, notes))
-            wells = read_wells(records, head, first, last) or wells
+            try:
+                head = records.read(records.records[first])
+                system = _SYSTEMS.get(int(head[2]) if len(head) > 2 else 0, system)
+                steps.append(_step(records, head, first, last, count, active_count, active, notes))
+                wells = read_wells(records, head, first, last) or wells
+            except LoadError as error:
+                notes.append(f"{error}; left out")
     return tuple(steps), wells, system
 
 

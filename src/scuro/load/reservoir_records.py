@@ -96,7 +96,7 @@ class RecordFile:
                         self.cut_off = f"the file ends within {keyword}"
                         break
                     self.records.append(Record(keyword, entry.start, length))
-            except (resfo.ResfoParsingError, ValueError, UnicodeDecodeError, KeyError) as error:
+            except _damages(resfo) as error:
                 self.cut_off = f"no further record can be read ({_short(error)})"
         if not self.records:
             raise LoadError(
@@ -120,7 +120,7 @@ class RecordFile:
             try:
                 entry = next(resfo.lazy_read(stream))
                 array = entry.read_array()
-            except (resfo.ResfoParsingError, ValueError, StopIteration) as error:
+            except (*_damages(resfo), StopIteration) as error:
                 raise LoadError(
                     self.name, f"{record.keyword} is damaged ({_short(error)}); copy the file again"
                 ) from None
@@ -157,6 +157,11 @@ def _is_gzip(source: Source) -> bool:
             return stream.read(2) == GZIP_MAGIC
     except OSError as error:
         raise LoadError(source.name, f"cannot be read ({error.strerror})") from None
+
+
+def _damages(resfo: Any) -> tuple[type[Exception], ...]:
+    """What reading raises on damaged records; offsets beyond the file are an OSError."""
+    return (resfo.ResfoParsingError, ValueError, KeyError, OSError)
 
 
 def _short(error: Exception) -> str:

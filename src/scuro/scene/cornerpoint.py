@@ -149,7 +149,7 @@ class CornerPointGrid:
             gas = chosen.read("SGAS") if "SGAS" in chosen.names else np.float32(0)
             return np.clip(1 - water - gas, 0, 1).astype(np.float32)
         raise SettingsError(
-            f"{self.name} has no {name} at {chosen}; it has {', '.join(chosen.names)}"
+            f"{self.name} has no {name} at {chosen}; it has {', '.join(chosen.names) or 'none'}"
         )
 
     @cached_property
