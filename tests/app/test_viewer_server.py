@@ -20,7 +20,7 @@ from scuro.viewer.remote import MOST_RATIO, read_event
 aiohttp = pytest.importorskip("aiohttp", reason="needs the viewer extra")
 pytest.importorskip("imgui_bundle", reason="needs the viewer extra")
 
-from scuro.viewer.screen import LARGEST, Screen  # noqa: E402
+from scuro.viewer.screen import LARGEST, MOST_PIXELS, Screen  # noqa: E402
 from scuro.viewer.server import LONGEST_MESSAGE, MESSAGES, MOST_FAULTS, Server  # noqa: E402
 
 RESIZE = {"type": "resize", "width": 700.0, "height": 64.0, "ratio": 1.0}
@@ -37,7 +37,7 @@ def model():
     return Model(document)
 
 
-def served(renderer, model, scenario, access=None, most=3):
+def served(renderer, model, scenario, access=None, most=3, extra=None):
     """Run ``scenario(session, base, server)`` against a server of its own."""
 
     async def main():
@@ -47,6 +47,7 @@ def served(renderer, model, scenario, access=None, most=3):
             lambda deliver: Screen(model, renderer, "rgba8unorm", deliver),
             access or Access.for_host("127.0.0.1"),
             most,
+            extra,
         )
         runner = web.AppRunner(server.application(), access_log=None, shutdown_timeout=0.1)
         await runner.setup()
@@ -221,6 +222,52 @@ def test_rubbish_floods_and_vanishing_do_not_disturb_another_page(renderer, mode
     served(renderer, model, scenario)
 
 
+def test_a_program_that_floods_the_probe_leaves_pages_their_turn(renderer, model):
+    pytest.importorskip("numba", reason="needs the viewer extra")
+    from scuro.probe.probe import ProbeSettings
+    from scuro.viewer.probing import stream_handler
+
+    model.set_probe(ProbeSettings(light=False))
+
+    async def scenario(session, base, server):
+        async with view(session, base) as good, session.ws_connect(base + "/probe") as program:
+            await good.send_json(RESIZE)
+            await rested(good)
+
+            async def flood():
+                while True:
+                    await program.send_str("{}")
+                    await program.receive()
+
+            async def rubbish():
+                while True:
+                    await program.send_str("[" * 2000)
+
+            for act in (flood, rubbish):
+                task = asyncio.create_task(act())
+                await good.send_json({"type": "key_down", "key": "y", "modifiers": []})
+                assert await asyncio.wait_for(rested(good), 30)
+                task.cancel()
+
+    try:
+        served(renderer, model, scenario, extra={"/probe": stream_handler(model)})
+    finally:
+        model.set_probe(None)
+
+
+def test_the_panel_offers_no_setting_that_reads_a_file_unguarded(model):
+    """What the panel shows of films: everything that names a file is left to the command line."""
+    import inspect
+
+    from scuro.export.motion import MovieSettings
+    from scuro.settings import parameters
+    from scuro.viewer.panel.files import Files as FilesPart
+
+    texts = {p.name for p in parameters(MovieSettings) if p.type is str and not p.choices}
+    assert texts == {"keys", "to_look"}, "a new text setting of films: may it name a file?"
+    assert 'without=("keys", "to_look")' in inspect.getsource(FilesPart.save)
+
+
 async def closed(socket):
     """The code a socket is closed with."""
     async for _ in socket:
@@ -230,8 +277,14 @@ async def closed(socket):
 
 def test_the_size_of_pictures_is_bounded(renderer, model):
     screen = Screen(model, renderer, "rgba8unorm", lambda name, write: "")
-    screen.resize(1e6, 1e6, MOST_RATIO)
-    assert max(screen.physical) <= LARGEST
+    for size in ((1e6, 1e6), (1e6, 1.0), (3000.0, 2000.0)):
+        screen.resize(*size, MOST_RATIO)
+        width, height = screen.physical
+        assert max(width, height) <= LARGEST and width * height <= 1.01 * MOST_PIXELS
+    saving = screen.panel.saving
+    saving.picture_settings = saving.picture_settings.replace(scale=8.0)
+    with pytest.raises(SettingsError, match="pixels a side"):
+        saving.picture()
     screen.resize(-5, 0, -1)
     assert screen.physical == (1, 1)
     screen.close()

@@ -262,6 +262,21 @@ def test_jobs_do_a_slice_at_a_time_and_leave_nothing_when_cancelled():
     assert jobs.message == "42"
 
 
+def test_random_hands_neither_fail_nor_leave_work_behind(renderer):
+    pytest.importorskip("imgui_bundle", reason="needs the viewer extra")
+    pytest.importorskip("psutil", reason="needs the viewer extra")
+    from scuro.measure.soak import soak
+    from scuro.viewer.screen import Screen
+
+    model = Model(protein())
+    screen = Screen(model, renderer, "rgba8unorm", lambda name, write: name)
+    screen.resize(700.0, 300.0, 1.0)
+    done = soak(screen, 2.0, seed=3)
+    assert done.events > 10 and done.memory and screen.wait is None
+    assert model.document.show == protein().show and model.probe is None
+    screen.close()
+
+
 # --- undo of everything, and files ---------------------------------------------------------------
 
 
@@ -294,7 +309,7 @@ def saving(renderer, clock, tmp_path):
     view = View(model, renderer.sibling(), SIZE, clock)
     model.change(clip=(Cut(normal=(0.3, 0, 1.0), point=view.camera.target),))
     model.set_probe(ProbeSettings(clip=True), view.camera.target)
-    view.camera = view.camera.orbited(31.0, 12.0)
+    view.move(view.camera.orbited(31.0, 12.0))
 
     def deliver(name, write):
         write(tmp_path / name)
@@ -346,3 +361,73 @@ def test_saving_says_what_it_cannot_do(saving):
     saving._jobs.tick()
     saving.view.model.change(settings=saving.view.model.settings.replace(background="black"))
     assert "changed meanwhile" in finish(saving._jobs)
+
+
+# --- slice planes --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def ramp():
+    """A volume whose values are 10 x + y of the voxel, in a scene seen along -z."""
+    from scuro.scene.scene import Scene
+    from scuro.scene.volume import Volume
+
+    values = np.tile(np.arange(24)[:, None] + 10 * np.arange(24), (24, 1, 1)).astype(np.float32)
+    return Scene().add(Volume(values))
+
+
+def test_a_slice_plane_shows_the_colour_of_each_value_where_it_lies(renderer, ramp):
+    from scuro.scene.view import ViewSettings, view_camera
+    from scuro.style.transfer_choose import choose_transfer
+    from scuro.viewer import navigate
+    from scuro.viewer.voxel import voxel_at
+
+    settings = Settings(size=(96, 96)).replace(
+        volume__planes__z=0.5, volume__transfer="gray", antialias__method="none"
+    )
+    camera = view_camera(ramp, ViewSettings(orthographic=True), 1.0)
+    picture = renderer.render(ramp, camera, settings).pixels
+    item = ramp.volumes[0]
+    transfer = choose_transfer(item.volume, "gray")
+    checked = 0
+    for x in range(20, 76, 5):
+        for y in range(20, 76, 5):
+            pixel = (x + 0.5, y + 0.5)
+            found = voxel_at(item, settings.volume, ramp.clip, camera, pixel, (96, 96))
+            (i, j, k), value, depth = found
+            assert k in (11, 12)
+            place = navigate.unproject(camera, pixel, (96, 96), depth)
+            at = np.linalg.inv(item.volume.world_from_index) @ np.append(place, 1)
+            assert at[2] == pytest.approx(11.5) and abs(at[0] - i) <= 0.5 and abs(at[1] - j) <= 0.5
+            exact = 10 * at[0] + at[1]
+            expected = transfer.color(np.array([exact]))[0] * 255
+            assert np.abs(picture[y, x, :3] - expected).max() <= 3
+            checked += 1
+    assert checked > 100 and value == 10 * i + j
+
+
+def test_slice_planes_hide_what_is_behind_and_heed_clipping(renderer, ramp):
+    from dataclasses import replace
+
+    from scuro.scene.clip import Clip, Plane
+    from scuro.scene.view import ViewSettings, view_camera
+
+    base = Settings(size=(64, 64)).replace(volume__transfer="viridis")
+    camera = view_camera(ramp, ViewSettings(azimuth=20, elevation=20), 1.0)
+
+    def covered(**changes):
+        return renderer.render(ramp, camera, base.replace(**changes)).pixels
+
+    alone = covered(volume__planes__z=0.25)
+    within = covered(volume__planes__z=0.25, volume__planes__alone=False)
+    volume = covered()
+    assert (alone != within).any() and (within != volume).any()
+    whole = (alone != 255).any(axis=-1).sum()
+    before = ramp.clip
+    middle = ramp.bounds().mean(axis=0)
+    ramp.clip = replace(Clip(), planes=(Plane(tuple(middle.tolist()), (1.0, 0, 0)),))
+    try:
+        half = (covered(volume__planes__z=0.25) != 255).any(axis=-1).sum()
+    finally:
+        ramp.clip = before
+    assert 0.35 * whole < half < 0.65 * whole

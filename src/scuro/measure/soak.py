@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import random
 import time
@@ -9,10 +10,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from scuro.export.scene_file import SceneFile
 from scuro.viewer.screen import Screen
 
 _KEYS = (*"xyzfiobncvpw,. ", "Delete", "Escape", "Tab", "ArrowUp", "ArrowLeft", "PageDown")
-_WARM_UP = 0.25
+_ROUND = 4.0
+"""Seconds after which all is put back as it was, and memory is measured: what the hands have set
+(a finer picture, a larger atlas) may take memory, but not keep it."""
+_WARM_UP = 0.3
 """Share of the time after which caches are full and growth is counted."""
 
 
@@ -25,7 +30,7 @@ class Soaked:
     longest: float = 0.0
     """Seconds the window stood still at most."""
     memory: list[float] = field(default_factory=list)
-    """Resident MB, every second."""
+    """Resident MB after each round."""
 
     @property
     def growth(self) -> float:
@@ -60,11 +65,13 @@ def soak(
     """
     hands, result = random.Random(seed), Soaked()
     target = screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True)
+    document = screen.model.document
     end = clock() + seconds
-    measured = 0.0
+    again = clock() + _ROUND
     while (now := clock()) < end:
-        if now - measured >= 1.0:
-            measured = now
+        if now >= again:
+            again = now + _ROUND
+            _put_back(screen, document, target)
             result.memory.append(resident_mb())
         for event in _gesture(hands, screen.logical):
             screen.handle(event)
@@ -74,8 +81,25 @@ def soak(
             if screen.wait is None:
                 break
             _draw(screen, target, result, clock)
+    _put_back(screen, document, target)
     result.memory.append(resident_mb())
     return result
+
+
+def _put_back(screen: Screen, document: SceneFile, target: Any) -> None:
+    """As it was at first, drawn to the end."""
+    screen.handle({"event_type": "key_down", "key": "Escape", "modifiers": ()})
+    screen.model.player.stop()
+    screen.view.spinning = False
+    screen.panel.jobs.close()
+    screen.model.open(document)
+    screen.view.camera = screen.view.initial_camera()
+    screen.view.stir()
+    screen.panel.open = True
+    while screen.wait is not None:
+        screen.draw(target)
+        screen.gpu.finish()
+    gc.collect()
 
 
 def _draw(screen: Screen, target: Any, result: Soaked, clock: Callable[[], float]) -> None:

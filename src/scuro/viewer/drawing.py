@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -47,6 +47,8 @@ class Drawing:
     """Seconds a pixel took in the last picture."""
     seconds: float = 0.0
     """Seconds the last complete picture took."""
+    kept: Mapping[str, str] = field(default_factory=lambda: _KEPT)
+    """Textures of a finished picture, with their formats."""
     _turn: int = field(default=0, repr=False)
 
     def draw(
@@ -67,19 +69,19 @@ class Drawing:
         count = self._count(settings) if slices else 1
         parts = renderer.parts(settings, bands=count)
         self._turn = 1 - self._turn
-        kept: dict[str, Any] = {}
+        made: dict[str, Any] = {}
         seconds, pixels = 0.0, 0
         for index, part in enumerate(parts):
             start = self.clock()
             frame = renderer.frame(scene, camera, settings, part)
-            for name, format in _KEPT.items():
+            for name, format in self.kept.items():
                 source = frame.resources[name]
                 scale = source.size[0] // part.size[0]
-                if name not in kept:
+                if name not in made:
                     size = tuple(scale * s for s in settings.size)
-                    kept[name] = renderer.targets.get(f"{name} {self._turn}", size, format)
+                    made[name] = renderer.targets.get(f"{name} {self._turn}", size, format)
                 if name == "picture" or part.eye < 1:
-                    _keep(frame.recorder, source, kept[name], part, scale)
+                    _keep(frame.recorder, source, made[name], part, scale)
             renderer.timings = frame.recorder.submit()
             gpu.finish()
             seconds += self.clock() - start
@@ -87,7 +89,7 @@ class Drawing:
             if index + 1 < len(parts):
                 yield (index + 1) / len(parts)
         self.rate, self.seconds = seconds / pixels, seconds
-        yield Drawn(gpu, camera, settings, kept)
+        yield Drawn(gpu, camera, settings, made)
 
     def _count(self, settings: Settings) -> int:
         width, height = settings.size

@@ -25,7 +25,7 @@ from scuro.viewer.drawing import Drawing, Drawn
 from scuro.viewer.jobs import Jobs, Work, in_thread, scaled
 from scuro.viewer.view import View
 
-LARGEST = 16384
+LARGEST = 8192
 """Pixels along a side of a picture from the panel."""
 Deliver = Callable[[str, Callable[[Path], None]], str]
 """Takes a name and a function that writes the file to a path; returns a sentence for people."""
@@ -91,8 +91,12 @@ class Saving:
     def _sized(self, scale: float) -> SceneFile:
         document = self.view.document()
         width, height = (max(1, round(s * scale)) for s in self.view.size)
-        if max(width, height) > LARGEST:
-            raise SettingsError(f"a side has at most {LARGEST} pixels")
+        most = min(LARGEST, self.view.renderer.gpu.max_texture)
+        if max(width, height) > most:
+            raise SettingsError(
+                f"a picture from the panel has at most {most} pixels a side: lower its scale, or "
+                "save the scene file for 'scuro render'"
+            )
         return replace(document, settings=document.settings.replace(size=(width, height)))
 
     def _picture(self, document: SceneFile, camera: Camera, chosen: PictureSettings) -> Work:
@@ -159,7 +163,7 @@ def _pixels(
 
     from scuro.viewer.refine import steps
 
-    drawing = Drawing(renderer, time.perf_counter)
+    drawing = Drawing(renderer, time.perf_counter, kept={"picture": "rgba8unorm"})
     for share in renderer.prepare(scene(), camera, settings):
         yield share / 2
         scene()

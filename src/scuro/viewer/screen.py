@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -27,6 +28,8 @@ _MOST_OUTLINED = 32
 _OUTLINE = (1.0, 0.55, 0.0, 1.0)
 LARGEST = 8192
 """Pixels along a side of the largest picture a screen may ask for."""
+MOST_PIXELS = 1 << 24
+"""In all: each takes some hundred bytes of the GPU's memory."""
 
 
 class Screen:
@@ -72,6 +75,7 @@ class Screen:
         """Logical size, and physical pixels to each logical one."""
         ratio = min(max(ratio, 0.25), 4.0)
         width, height = (min(max(s, 1.0), LARGEST / ratio) for s in (width, height))
+        ratio = min(ratio, math.sqrt(MOST_PIXELS / (width * height)))
         self.logical, self.ratio = (width, height), ratio
         self._lay_out()
         if self._first and min(width, height) > 1:

@@ -29,6 +29,10 @@ def voxel_at(
     """
     volume = item.volume
     origin, direction = _ray(camera, pixel, size)
+    if settings.planes.on:
+        found = _on_plane(item, settings, clip, origin, direction)
+        if found is not None or settings.planes.alone:
+            return None if found is None else _voxel(item, *found, camera, origin, direction)
     with np.errstate(divide="ignore", invalid="ignore"):
         slabs = (volume.bounds - origin) / direction
     start = max(float(np.nanmax(slabs.min(axis=0))), 0.0)
@@ -48,12 +52,40 @@ def voxel_at(
     seen = np.flatnonzero(_seen(item, settings, values))
     if not len(seen):
         return None
-    i, j, k = cells[seen[0]].tolist()
+    return _voxel(item, cells[seen[0]], float(t[seen[0]]), camera, origin, direction)
+
+
+def _voxel(
+    item: VolumeItem, cell: NDArray, t: float, camera: Camera, origin: NDArray, direction: NDArray
+) -> tuple[tuple[int, int, int], float, float]:
+    """A cell's index and value, and the depth of a place on a ray."""
+    i, j, k = cell.tolist()
     forward = -camera.view_from_world()[2, :3]
-    depth = float(t[seen[0]] * (direction @ forward))
-    if camera.orthographic:
-        depth += float((origin - np.asarray(camera.position)) @ forward)
-    return (i, j, k), float(values[seen[0]]), depth
+    depth = float((origin + t * direction - np.asarray(camera.position)) @ forward)
+    return (i, j, k), float(item.volume.values[k, j, i]), depth
+
+
+def _on_plane(
+    item: VolumeItem, settings: VolumeSettings, clip: Clip, origin: NDArray, direction: NDArray
+) -> tuple[NDArray, float] | None:
+    """The cell of the nearest slice plane that a ray meets, and how far along the ray."""
+    inverse = np.linalg.inv(item.volume.world_from_index)
+    size = np.array(item.volume.values.shape[::-1])
+    start, way = inverse @ np.append(origin, 1), inverse @ np.append(direction, 0)
+    found = []
+    for axis, place in enumerate(settings.planes.places):
+        if place is None or way[axis] == 0:
+            continue
+        # texture coordinates span the voxels' outer faces
+        t = float((place * size[axis] - 0.5 - start[axis]) / way[axis])
+        at = (start + t * way)[:3]
+        inside = ((at >= -0.5) & (at <= size - 0.5)).all()
+        if t > 0 and inside and clip.keeps(origin + t * direction):
+            found.append((t, np.clip(np.rint(at), 0, size - 1).astype(int)))
+    if not found:
+        return None
+    t, cell = min(found, key=lambda one: one[0])
+    return cell, t
 
 
 def _seen(item: VolumeItem, settings: VolumeSettings, values: NDArray) -> NDArray[np.bool_]:

@@ -78,6 +78,14 @@ class VolumePicture:
         """The ``Volume`` uniform."""
         return self.grid.uniform(settings.step, clip, self.center, classified.table_end)
 
+    def bound(
+        self, settings: VolumeSettings, transfer: TransferFunction, clip: Clip
+    ) -> dict[str, Any]:
+        """What volume.wgsl wants bound."""
+        classified = self.classified(transfer, settings)
+        uniform = self.uniform(settings, clip, classified)
+        return {**classified.resources(), "volume": uniform}
+
     def pyramid(
         self, classified: Classified, settings: VolumeSettings, clip: Clip, solids: Any = None
     ) -> Pyramid:

@@ -9,6 +9,7 @@ from scuro.errors import SettingsError
 from scuro.passes.compose.lighting import lighting_of, lights_uniform
 from scuro.passes.frame import Frame
 from scuro.passes.volume.draw import VolumePicture
+from scuro.passes.volume.planes import draw_planes
 from scuro.passes.volume.settings import VolumeSettings
 from scuro.style.transfer import TransferFunction
 from scuro.style.transfer_choose import choose_transfer
@@ -60,6 +61,8 @@ class Volumes:
         if not scene.volumes:
             return
         picture, settings, transfer = self._chosen(frame, scene)
+        if settings.planes.on and settings.planes.alone:
+            return
         bodies = scene.bodies()
         lighted = settings.occlusion.on or settings.shadow.on
         solids = picture.solids(bodies) if lighted else None
@@ -86,6 +89,12 @@ class Volumes:
             )
         bodies = scene.bodies()
         lighted = settings.occlusion.on or settings.shadow.on
+        surface = frame.resources["surface"] if bodies else None
+        if settings.planes.on:
+            bound = picture.bound(settings, transfer, scene.clip)
+            surface = draw_planes(frame, settings.planes, bound, surfaces=bool(bodies))
+            if settings.planes.alone:
+                return
         common = {
             "view": frame.resources["view"],
             "lights": lights,
@@ -98,7 +107,7 @@ class Volumes:
             transfer,
             color=frame.target("volume_color", "rgba16float"),
             depth=frame.target("volume_depth", "r32float"),
-            surface=frame.resources["surface"] if bodies else None,
+            surface=surface,
             solids=picture.solids(bodies) if lighted else None,
             **common,
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scuro.errors import SettingsError
+from scuro.passes.volume.planes import PlaneSettings
 from scuro.passes.volume.scaling import FILTERS
 from scuro.settings import SettingsGroup, setting
 
@@ -116,6 +117,7 @@ class VolumeSettings(SettingsGroup):
     )
     occlusion: VolumeOcclusionSettings = VolumeOcclusionSettings()
     shadow: VolumeShadowSettings = VolumeShadowSettings()
+    planes: PlaneSettings = PlaneSettings()
     path: VolumePathSettings = VolumePathSettings()
 
     @property

@@ -194,7 +194,10 @@ def _start(p: Parameter) -> Any:
     elif p.type is str:
         one = p.choices[0] if p.choices else ""
     else:
-        one = p.type(min(max(1.0, p.low or 0.0), math.inf if p.high is None else p.high))
+        high = math.inf if p.high is None else p.high
+        # the middle of a share, else what is nearest to 1
+        start = 0.5 if (p.type, p.low, p.high) == (float, 0, 1) else 1.0
+        one = p.type(min(max(start, p.low or 0.0), high))
     return (one,) * (p.length or 1) if p.many else one
 
 

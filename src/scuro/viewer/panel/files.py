@@ -60,7 +60,8 @@ class Files:
         changed, chosen = self._groups.singles("film", saving.film_settings)
         if changed:
             saving.film_settings = chosen
-        changed, movie = self._groups.singles("movie", saving.movie)
+        # not those that name files: a page must not have any file of this machine read
+        changed, movie = self._groups.singles("movie", saving.movie, without=("keys", "to_look"))
         if changed:
             saving.movie = movie
         play = play_options(self.view.model.player)

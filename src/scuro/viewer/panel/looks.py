@@ -12,7 +12,6 @@ from scuro.viewer.panel.groups import Groups, buttons, heading
 
 _NEEDS = {
     "volume": "volumes",
-    "slices": "volumes",
     "reservoir": "reservoirs",
     "strategy": "reservoirs",
     "semantic": "bodies",

@@ -63,7 +63,7 @@ class Panel:
                 self._tools.selection,
             ),
             "Look": (self._looks.settings, self._looks.lights),
-            "Tools": (self._tools.clipping, self._probe.draw, self._tools.keys),
+            "Tools": (self._tools.clipping, self._tools.planes, self._probe.draw, self._tools.keys),
             "Save": (self._files.save,),
         }  # fmt: skip
         self.open = True

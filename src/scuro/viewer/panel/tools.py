@@ -78,6 +78,15 @@ class Tools:
         )
         imgui.pop_id()
 
+    def planes(self) -> None:
+        """Slice planes of a volume."""
+        model = self.view.model
+        if not model.scene.volumes or not heading("Slice planes", open=True):
+            return
+        changed, planes = self._groups.group("planes", model.settings.volume.planes)
+        if changed:
+            model.change("planes", settings=model.settings.replace(volume__planes=planes))
+
     def selection(self) -> None:
         """What is selected."""
         from imgui_bundle import imgui
