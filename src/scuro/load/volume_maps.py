@@ -163,7 +163,7 @@ def read_dx(path: Path, options: VoxelOptions) -> Volume:
         raise LoadError(path, "is no regular three-dimensional OpenDX grid")
     if len(values) != items:
         raise LoadError(path, f"has {len(values):,} values for {items:,}: it is truncated")
-    matrix = affine((1, 1, 1), origin)
+    matrix = affine((1, 1, 1), origin.tolist())
     matrix[:3, :3] = np.array(deltas).T
     return finished(
         path, values.reshape(size).transpose(2, 1, 0), matrix, options=options, unit="Å",

@@ -94,7 +94,7 @@ def _reader(path: Path) -> tuple[Any, list[str]]:
     note.CallDataType = "string0"  # type: ignore[attr-defined]
     for source in (reader, getattr(reader, "GetXMLParser", lambda: None)()):
         if source is not None:
-            source.AddObserver("ErrorEvent", note)
+            source.AddObserver("ErrorEvent", note)  # type: ignore[arg-type]
     return reader, messages
 
 

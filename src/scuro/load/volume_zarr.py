@@ -27,10 +27,10 @@ def read_zarr(path: Path, options: VoxelOptions) -> Volume:
     except ImportError:
         raise MissingExtraError("Zarr volumes", "volume") from None
     try:
-        node = zarr.open(str(path), mode="r")
+        node: Any = zarr.open(str(path), mode="r")
         if isinstance(node, zarr.Array):
             return _read(path, node, _default_axes(node.ndim), np.eye(4), "", [], options)
-        attributes = dict(node.attrs)
+        attributes: dict[str, Any] = dict(node.attrs)
         ome = attributes.get("ome", attributes)
         if options.array is None and "multiscales" in ome:
             return _read_ome(path, node, ome["multiscales"][0], options)
@@ -60,7 +60,7 @@ def _read_ome(path: Path, group: Any, image: Mapping, options: VoxelOptions) -> 
     def fits(level: Mapping) -> bool:
         shape = group[level["path"]].shape
         sides = [n for n, name in zip(shape, axes, strict=True) if name in SPACE]
-        return np.prod(sides, dtype=np.float64) <= options.limit and max(sides) <= MAX_SIDE
+        return bool(np.prod(sides, dtype=np.float64) <= options.limit) and max(sides) <= MAX_SIDE
 
     chosen = next((i for i, level in enumerate(levels) if fits(level)), len(levels) - 1)
     if chosen:
@@ -99,7 +99,7 @@ def _read(
         raise LoadError(path, f"its spatial axes are ordered {order}, not z, y, x")
     lazy = _Planes(array, tuple(index))
     small = np.prod(lazy.shape, dtype=np.float64) <= options.limit
-    values = lazy[:] if small and max(lazy.shape) <= MAX_SIDE else lazy
+    values: Any = lazy[:] if small and max(lazy.shape) <= MAX_SIDE else lazy
     return finished(path, values, matrix, options=options, unit=unit, notes=notes)
 
 

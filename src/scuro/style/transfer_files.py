@@ -168,8 +168,7 @@ def _in_color_space(
             t = k / between
             rgb = np.clip(back(*(a + (b - a) * t)), 0, 1)
             made.append((x0 + (x1 - x0) * t, *map(float, rgb)))
-    x, r, g, b = points[-1]
-    return [*made, (x, r, g, b)]  # type: ignore[list-item]
+    return [*made, tuple(points[-1])]  # type: ignore[list-item]
 
 
 _XYZ_FROM_RGB = np.array(

@@ -149,8 +149,8 @@ class LightTexture:
         shader = "passes/volume/illuminate.wgsl"
         count = int(np.prod(self.bricks))
         record.clear_buffer(self._wanted)
-        threads = (LISTED_A_ROW, -(-count // LISTED_A_ROW))
-        record.compute(shader, "list_bricks", threads, resources, chosen, label="volume marks")
+        listing = (LISTED_A_ROW, -(-count // LISTED_A_ROW))
+        record.compute(shader, "list_bricks", listing, resources, chosen, label="volume marks")
         most = MOST_ITERATIONS // iterations(resources["cones"]["kinds"], resources)
         groups = max(min(LIGHT_GROUPS, count), min(-(-count // max(most, 1)), 65535))
         threads = (BRICK * groups, BRICK, BRICK)

@@ -33,16 +33,16 @@ def solid_fraction(
         (nz, ny, nx), 0 to 1: 1 where a texel's middle is inside a ball; balls smaller than a texel
         add their share of its space.
     """
-    size = np.asarray(size)
-    texel_from_world = np.diag([*size, 1.0]) @ texture_from_world
-    out = np.zeros(size[::-1], np.float32)
+    extent = np.asarray(size)
+    texel_from_world = np.diag([*extent, 1.0]) @ texture_from_world
+    out = np.zeros(tuple(extent[::-1]), np.float32)
     for body in bodies:
         balls = _balls(body)
         local = balls[:, :3] @ texel_from_world[:3, :3].T + texel_from_world[:3, 3]
         # a ball in the world is an ellipsoid in texels: its reach along each texel axis
         stretch = np.linalg.norm(texel_from_world[:3, :3], axis=1)
         reach = balls[:, 3:] * stretch
-        near = ((local + reach > 0) & (local - reach < size)).all(axis=1)
+        near = ((local + reach > 0) & (local - reach < extent)).all(axis=1)
         _fill(out, local[near], balls[near, 3], reach[near], texel_from_world[:3, :3])
     return np.minimum(out, 1.0).astype(np.float16)
 
