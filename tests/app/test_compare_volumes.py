@@ -34,3 +34,16 @@ def test_a_reference_is_asked_for_where_none_is_known(tmp_path, capfd):
     call = ["compare", str(tmp_path / "box.npy"), "--vary", "shading"]
     assert run([*call, "-o", str(tmp_path / "out")]) == 2
     assert "--reference" in capfd.readouterr().err
+
+
+def test_notes_of_readers_are_told_when_rendering(tmp_path, capfd):
+    values = np.ones((6, 6, 6), np.float32)
+    values[0, 0, :2] = np.nan, np.inf
+    values[2:4] = 5.0
+    np.save(tmp_path / "holes.npy", values)
+    call = ["render", str(tmp_path / "holes.npy"), "-o", str(tmp_path / "out.png")]
+    assert run([*call, "--size", "24x24", "--voxels-limit", "100"]) == 0
+    told = capfd.readouterr().err
+    assert "more than the limit" in told and "means of" in told
+    assert run([*call, "--size", "24x24"]) == 0
+    assert "2 voxels" in capfd.readouterr().err

@@ -10,7 +10,7 @@ import click
 
 from scuro.app.document import take_document, with_document
 from scuro.app.options import SettingsCommand, parse_element
-from scuro.app.output import print_json, print_table, progress, stage
+from scuro.app.output import print_json, print_table, progress, stage, tell_notes
 from scuro.errors import SaveError, SettingsError
 from scuro.settings import unknown, walk
 
@@ -113,6 +113,7 @@ def command(
         reference_variant(vary, reference or variants(vary)[0].name)
     with stage("reading"):
         scene = document.scene()
+    tell_notes(scene)
     vary = vary or _question(scene)
     if reference is None and vary not in _DEFAULTS:
         raise SettingsError(f"say what to hold the values of '{vary}' against: --reference NAME")

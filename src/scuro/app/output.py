@@ -14,6 +14,8 @@ import click
 if TYPE_CHECKING:
     from rich.progress import Progress
 
+    from scuro.scene.scene import Scene
+
 _PATIENCE = 1.0
 """Seconds that work may take before progress is shown."""
 
@@ -36,6 +38,13 @@ def print_table(table: Any) -> None:
 
     width = None if sys.stdout.isatty() else 160
     Console(highlight=False, width=width).print(table)
+
+
+def tell_notes(scene: Scene) -> None:
+    """Say on standard error what readers of volumes mended, left out or chose."""
+    for item in scene.volumes:
+        for note in item.volume.notes:
+            click.echo(f"{item.volume.source or item.volume.name}: {note}", err=True)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ import click
 from scuro.app.cli import STARTED
 from scuro.app.document import take_document, with_document
 from scuro.app.options import SettingsCommand
-from scuro.app.output import print_json, progress, stage
+from scuro.app.output import print_json, progress, stage, tell_notes
 from scuro.errors import SettingsError
 from scuro.measure.memory import peak_memory_mb
 
@@ -82,6 +82,7 @@ def command(
     with stage(f"reading {', '.join(Path(line.path).name for line in document.input)}"):
         scene = document.scene()
         clock("load")
+    tell_notes(scene)
     renderer, camera = _prepare(document, scene, device, clock)
     note = document.as_dict(Path(output).parent)
     parts = len(renderer.parts(document.settings))
