@@ -92,6 +92,27 @@ def test_a_path_is_recorded_saved_and_replayed(probing, tmp_path):
             read_path(tmp_path / name)
 
 
+def test_a_gamepad_moves_it_with_time_and_never_into_an_atom(probing):
+    from scuro.viewer.gamepad import event_of
+
+    rest = event_of([0.05, -0.1, 0.0, 0.0, -1.0, -1.0])
+    assert not any(rest[name] for name in ("x", "y", "z", "turn_x", "turn_y"))
+    held = event_of([1.0, 0.0, 0.0, 0.0, -1.0, 1.0])
+    assert held["x"] == 1.0 and held["z"] == -1.0, "the right trigger leads away from the eye"
+    now = [0.0]
+    probing._clock = lambda: now[0]
+    probe, start = probing.probe, probing.probe.position.copy()
+    probing.push(0.0, 0.0, -1.0)
+    assert probing.wait is not None
+    for _ in range(200):
+        now[0] += 0.05
+        probing.tick()
+        assert probe.constraint.depth(probe.position) < 0
+    assert np.linalg.norm(probe.position - start) > 1
+    probing.push(0.0, 0.0, 0.0)
+    assert probing.wait is None
+
+
 def test_without_atoms_there_is_no_probe(probing):
     with pytest.raises(SettingsError, match="no atoms"):
         Probe(Scene(), ProbeSettings(), (0, 0, 0))

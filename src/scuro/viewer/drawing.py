@@ -52,7 +52,12 @@ class Drawing:
     _turn: int = field(default=0, repr=False)
 
     def draw(
-        self, scene: Scene, camera: Camera, settings: Settings, slices: bool = False
+        self,
+        scene: Scene,
+        camera: Camera,
+        settings: Settings,
+        slices: bool = False,
+        accumulate: bool = False,
     ) -> Iterator[Drawn | float]:
         """Draw a picture slice by slice.
 
@@ -61,6 +66,8 @@ class Drawing:
             camera: From where.
             settings: How.
             slices: Whether a slow picture may be cut into slices.
+            accumulate: Whether to go on from what the pictures before found (and not to make the
+                picture that these settings make alone).
 
         Yields:
             The share that is done, after each slice but the last; then the picture.
@@ -73,7 +80,8 @@ class Drawing:
         seconds, pixels = 0.0, 0
         for index, part in enumerate(parts):
             start = self.clock()
-            frame = renderer.frame(scene, camera, settings, part)
+            go_on = accumulate and len(parts) == 1
+            frame = renderer.frame(scene, camera, settings, part, accumulate=go_on)
             for name, format in self.kept.items():
                 source = frame.resources[name]
                 scale = source.size[0] // part.size[0]

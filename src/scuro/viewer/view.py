@@ -213,7 +213,8 @@ class View:
         if self.pacing.plain or self._bare or self._work is not None:
             settings = plain(settings)
         settings = settings.replace(size=moving_size(self.size, self.pacing.scale))
-        for drawn in self.drawing.draw(self.model.dressed(self.camera), self.camera, settings):
+        scene = self.model.dressed(self.camera)
+        for drawn in self.drawing.draw(scene, self.camera, settings, accumulate=True):
             if isinstance(drawn, Drawn):
                 self.drawn = drawn
         self.pacing.measured(self.drawing.seconds)

@@ -10,6 +10,7 @@ from typing import Any
 
 from scuro.errors import MissingExtraError, ScuroError
 from scuro.render import Renderer
+from scuro.viewer.gamepad import LOOKING, Gamepad
 from scuro.viewer.model import Model
 from scuro.viewer.screen import Screen
 
@@ -87,7 +88,20 @@ def open_window(model: Model, renderer: Renderer) -> Screen:
     canvas = RenderCanvas(
         size=model.settings.size, title=f"{name} · scuro", update_mode="ondemand", max_fps=60
     )
-    return attach(canvas, loop, model, renderer)
+    screen = attach(canvas, loop, model, renderer)
+    pad = Gamepad()
+
+    def look() -> None:
+        if canvas.get_closed():
+            return
+        event, wait = pad.look()
+        if event is not None:
+            screen.handle(event)
+            canvas.request_draw()
+        loop.call_later(wait, look)
+
+    loop.call_later(LOOKING, look)
+    return screen
 
 
 def run_windows() -> None:
