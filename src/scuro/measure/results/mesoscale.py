@@ -1,6 +1,6 @@
 """Cell-scale models: clutter, the zoom, cost and calm beside Koch's thesis (2018).
 
-Inputs are cell-scale models; without any, a cell is generated from samples. All are cut in half, so
+A cell generated from samples, and the inputs, which are cell-scale models. All are cut in half, so
 that their inner compartments show.
 """
 
@@ -34,7 +34,7 @@ THESIS = {"light bounce": 10.0, "shadows": 2.1, "blur 1 to 10": 2.1, "samples 16
 """Table 4.1: growth of the frame, per cent, on a GeForce GTX 1070 at 1920 × 1080."""
 FRAMES = 240
 """Of the film whose jumps are measured."""
-SMALL = (480, 270)
+SMALL = (320, 180)
 """Size of pictures that are many."""
 VIEWS = {"a, whole": 0.0, "b": 1 / 3, "c": 2 / 3, "d, atoms": 1.0}
 """The pictures of Figure 5.2 as shares of the zoom."""
@@ -140,11 +140,10 @@ def _jump(renderer: Renderer, scene: Scene, zoom: Zoom, base: Settings) -> str:
 
 
 def _models(options: BenchOptions) -> Iterator[tuple[str, MesoscaleModel]]:
+    structures = [structure_of_molecule(load(name)) for name in SAMPLES]
+    yield "generated cell", generate(structures, GenerateSettings(atoms=ATOMS))
     for name in options.inputs:
         model = load(name)
         if not isinstance(model, MesoscaleModel):
             raise SettingsError(f"{name} is no cell-scale model")
         yield label(name), model
-    if not options.inputs:
-        structures = [structure_of_molecule(load(name)) for name in SAMPLES]
-        yield "generated cell", generate(structures, GenerateSettings(atoms=ATOMS))
