@@ -36,3 +36,22 @@ def test_clutter_measures_know_calm_from_busy():
     calm[8:56, 8:56] = 120
     assert edge_density(busy) > 5 * edge_density(calm) > 0
     assert subband_entropy(busy) > 2 * subband_entropy(calm)
+
+
+def test_a_missing_structure_is_named_and_drawn_or_refused(tmp_path, capfd):
+    table = tmp_path / "cell.csv"
+    table.write_text("ingredient,x,y,z,qx,qy,qz,qw\nlost,0,0,0,0,0,0,2\nlost,90,0,0,0,0,0,1\n")
+    out = tmp_path / "cell.png"
+    arguments = ["render", str(table), "-o", str(out), "--size", "48x36"]
+    assert run(arguments) == 0 and out.exists()
+    said = capfd.readouterr().err
+    assert "structure 'lost' of ingredient 'lost' is missing" in said
+    assert "1 quaternions were not of unit length" in said
+    assert run([*arguments, "--strict"]) == 1
+    assert "--structures" in capfd.readouterr().err
+
+
+def test_thresholds_out_of_order_are_a_usage_error(tmp_path, capfd):
+    arguments = ["render", "sample:1hpv", "-o", str(tmp_path / "a.png"), "--semantic", "screen"]
+    assert run([*arguments, "--semantic-thresholds", "10,20"]) == 2
+    assert "far to near" in capfd.readouterr().err

@@ -59,18 +59,18 @@ def zoom_radius(scene: Scene) -> float:
 
 
 def test_mean_luminance_never_jumps_on_the_way(scene):
-    """At most 1 % of full scale between two of 240 frames: measured where all levels are crossed.
+    """At most 1 % of full scale between two of 300 frames: measured where all levels are crossed.
 
     A step in a threshold, a level of detail or the bounce shows between neighbouring frames, so
-    every tenth frame is compared with the one after it.
+    every twelfth frame is compared with the one after it.
     """
     renderer = Renderer()
     settings = zoom_settings(scene, Settings(size=(96, 54)))
     zoom = zoom_of(scene, renderer.fitted(scene, settings), None)
     jumps = []
-    for frame in range(0, 239, 10):
+    for frame in range(0, 299, 12):
         pair = [
-            np.asarray(renderer.render(scene, zoom.camera(share / 239), settings))[..., :3].mean()
+            np.asarray(renderer.render(scene, zoom.camera(share / 299), settings))[..., :3].mean()
             for share in (frame, frame + 1)
         ]
         jumps.append(abs(pair[1] - pair[0]) / 255)

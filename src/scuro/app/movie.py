@@ -11,7 +11,7 @@ import click
 from scuro.app.cli import INTERRUPTED
 from scuro.app.document import take_document, with_document
 from scuro.app.options import SettingsCommand, take_changes, with_settings
-from scuro.app.output import print_json, progress, stage
+from scuro.app.output import print_json, progress, stage, tell_notes
 from scuro.export.motion import MovieSettings
 
 
@@ -42,6 +42,7 @@ def command(output: str, device: str | None, as_json: bool, **values: Any) -> No
     check_format(output)
     with stage(f"reading {', '.join(Path(line.path).name for line in document.input)}"):
         motion = Motion(document, movie)
+    tell_notes(motion.scene)
     files = [line.path for line in document.input]
     files += [p for p in (document.load.trajectory, movie.keys) if p]
     about = {"document": document.as_dict(), "movie": movie.as_dict(), "files": stamps(files)}

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 _PATIENCE = 1.0
 """Seconds that work may take before progress is shown."""
+_MOST_NOTES = 12
+"""A model without its structures has a note for each."""
 
 
 def print_json(value: Any) -> None:
@@ -41,10 +43,19 @@ def print_table(table: Any) -> None:
 
 
 def tell_notes(scene: Scene) -> None:
-    """Say on standard error what readers of volumes mended, left out or chose."""
-    for item in scene.volumes:
-        for note in item.volume.notes:
-            click.echo(f"{item.volume.source or item.volume.name}: {note}", err=True)
+    """Say on standard error what readers of volumes and cell-scale models mended or missed."""
+    for item in scene.items:
+        data: Any = getattr(item, "volume", None) or getattr(item, "model", None)
+        notes = list(getattr(data, "notes", ()))
+        told = notes if len(notes) <= _MOST_NOTES + 1 else notes[:_MOST_NOTES]
+        for note in told:
+            click.echo(f"{data.source or data.name}: {note}", err=True)
+        if len(told) < len(notes):
+            click.echo(
+                f"{data.source or data.name}: and {len(notes) - len(told)} notes more: see "
+                "'scuro info'",
+                err=True,
+            )
 
 
 @contextmanager

@@ -43,7 +43,7 @@ class MovieSettings(SettingsGroup):
     )
     length: int | None = setting(
         None,
-        "number of frames (default: 120, 240 zooming, or one a model with --play)",
+        "number of frames (default: 120, 300 zooming, or one a model with --play)",
         low=1,
         high=100_000,
     )
@@ -109,7 +109,7 @@ class Motion:
             return round(self._keys[-1][0] * self.movie.fps) + 1
         if self._trajectory is not None:
             return len(self._trajectory)
-        return 240 if self._zoom is not None else 120
+        return 300 if self._zoom is not None else 120
 
     def _open_trajectory(self, document: SceneFile) -> Trajectory:
         if len(document.input) != 1 or len(self.scene.molecules) != 1:
