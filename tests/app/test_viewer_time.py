@@ -431,3 +431,51 @@ def test_slice_planes_hide_what_is_behind_and_heed_clipping(renderer, ramp):
     finally:
         ramp.clip = before
     assert 0.35 * whole < half < 0.65 * whole
+
+
+# --- cells of a reservoir ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("show", ["volume", "cells"])
+def test_the_cell_under_the_pointer_is_the_first_that_is_shown(show):
+    from scuro.scene.camera import Camera
+    from scuro.scene.clip import Clip, Plane
+    from scuro.scene.cornerpoint_synthetic import faulted_dome
+    from scuro.scene.reservoir import ReservoirItem
+    from scuro.style.reservoir_options import ReservoirSettings
+    from scuro.viewer import navigate
+    from scuro.viewer.cell import cell_at, cell_sentence
+
+    grid = faulted_dome(12, 12, 6)
+    settings = ReservoirSettings(show=show, property="PORO", opacity="0:1 1:1")
+    item = ReservoirItem(grid, settings)
+    cells = np.flatnonzero(grid.active)
+    centers = grid.to_world(grid.corners(cells), item.exaggeration).reshape(-1, 8, 3).mean(axis=1)
+    low, high = item.bounds
+    middle, size = (low + high) / 2, (400, 300)
+    top = middle.copy()
+    top[2] += 3 * float(np.linalg.norm(high - low))
+    camera = Camera(tuple(top), tuple(middle), (0, 1, 0), 30)
+    columns = cells % (12 * 12)
+    checked = 0
+    for column in np.unique(columns)[::7]:
+        above = np.flatnonzero(columns == column)[0]  # the uppermost active cell
+        pixel = tuple(navigate.project(camera, [centers[above]], size)[0, :2])
+        (i, j, k), value, depth = cell_at(item, Clip(), camera, pixel, size)
+        expected = np.unravel_index(cells[above], grid.active.shape)
+        # a slanting ray may pass the edge of a higher neighbour
+        if (k - 1, j - 1, i - 1) == tuple(map(int, expected)):
+            assert value == pytest.approx(float(item.values()[above]))
+            assert depth < float(camera.distance) + float(np.ptp(item.bounds, axis=0)[2])
+            assert f"cell {i}, {j}, {k}" in cell_sentence(item, (i, j, k), value)
+            checked += 1
+    assert checked >= 6
+    # a plane through the third cell of a column takes those above away
+    third = np.flatnonzero(columns == np.unique(columns)[60])[2]
+    plane = Plane(tuple(centers[third].tolist()), (0.0, 0.0, -1.0))
+    pixel = tuple(navigate.project(camera, [centers[third]], size)[0, :2])
+    (i, j, k), _, depth = cell_at(item, Clip((plane,)), camera, pixel, size)
+    assert (k - 1, j - 1, i - 1) == np.unravel_index(cells[third], grid.active.shape)
+    assert depth == pytest.approx(float(top[2] - centers[third][2]), rel=1e-6)
+    assert cell_at(item, Clip(), camera, pixel, size)[2] < depth
+    assert cell_at(item, Clip(), camera, (1, 1), size) is None

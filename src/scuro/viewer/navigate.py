@@ -124,6 +124,18 @@ def unproject(camera: Camera, pixel: Size, size: Size, depth: float) -> NDArray[
     return matrix[:3, :3].T @ (np.array([x, y, -depth]) - matrix[:3, 3])
 
 
+def pixel_ray(
+    camera: Camera, pixel: Size, size: Size
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(3,) origin and (3,) unit direction of a pixel's ray in world space."""
+    near, far = unproject(camera, pixel, size, 1.0), unproject(camera, pixel, size, 2.0)
+    direction = (far - near) / np.linalg.norm(far - near)
+    if not camera.orthographic:
+        return np.asarray(camera.position, np.float64), direction
+    # parallel rays begin behind everything that the eye could have in front of it
+    return near - direction * 1e6, direction
+
+
 def project(camera: Camera, points: ArrayLike, size: Size) -> NDArray[np.float64]:
     """(n, 3): pixel x and y, and depth, of world points (n, 3); depth <= 0 is behind the eye."""
     matrix = camera.view_from_world()

@@ -12,8 +12,10 @@ from scuro.errors import ScuroError
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
+from scuro.scene.reservoir import ReservoirItem
 from scuro.scene.view import ViewSettings, scene_points, view_camera
 from scuro.viewer import navigate
+from scuro.viewer.cell import cell_at, cell_sentence
 from scuro.viewer.drawing import Drawing, Drawn
 from scuro.viewer.model import Model
 from scuro.viewer.pacing import GPU_TARGET, SOFTWARE_TARGET, Pacing, moving_size
@@ -291,13 +293,14 @@ class View:
     def describe(self, x: float, y: float) -> str:
         """What is there in words: an atom, a cell, a voxel; empty if nothing."""
         found = self.pick(x, y)
-        if found is not None:
+        if found is not None and not _is_cells(found):
             return sentence(found)
-        voxel = self._voxel(x, y)
-        if voxel is None:
-            return ""
-        item, (index, value, _) = voxel
-        return voxel_sentence(item, index, value)
+        inside = self._inside(x, y)
+        if inside is None:
+            return "" if found is None else sentence(found)
+        item, (index, value, _) = inside
+        tell = cell_sentence if isinstance(item, ReservoirItem) else voxel_sentence
+        return tell(item, index, value)
 
     def depth(self, x: float, y: float) -> float:
         """Distance along the viewing direction of what is seen there; the target's if nothing."""
@@ -305,10 +308,11 @@ class View:
         if found is not None:
             point = navigate.project(self.camera, [found.position], self.size)
             return float(point[0, 2])
-        voxel = self._voxel(x, y)
-        return self.camera.distance if voxel is None else voxel[1][2]
+        inside = self._inside(x, y)
+        return self.camera.distance if inside is None else inside[1][2]
 
-    def _voxel(self, x: float, y: float) -> Any:
+    def _inside(self, x: float, y: float) -> Any:
+        """The voxel or cell that is seen there: its item, and its index, value and depth."""
         pixel = (x * self.size[0], y * self.size[1])
         for item in self.model.scene.volumes:
             found = voxel_at(
@@ -316,6 +320,10 @@ class View:
             )
             if found is not None:
                 return item, found
+        for reservoir in self.model.scene.reservoirs:
+            found = cell_at(reservoir, self.model.clip, self.camera, pixel, self.size)
+            if found is not None:
+                return reservoir, found
         return None
 
     def select(self, found: Pick | None, add: bool = False) -> None:
@@ -353,3 +361,8 @@ class View:
             view=self.view_settings(),
             settings=self.full_settings,
         )
+
+
+def _is_cells(found: Pick) -> bool:
+    """Whether a surface is that of a reservoir's cells, and not a well or an edge."""
+    return isinstance(found.item, ReservoirItem) and found.body.name.endswith(("cells", "slices"))

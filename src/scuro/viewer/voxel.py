@@ -10,7 +10,7 @@ from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip
 from scuro.scene.scene import VolumeItem
 from scuro.style.transfer_choose import choose_transfer
-from scuro.viewer.navigate import Size, unproject
+from scuro.viewer.navigate import Size, pixel_ray
 
 FAINT = 0.02
 """Opacity per voxel below which a ray passes on."""
@@ -28,7 +28,7 @@ def voxel_at(
         the ray meets nothing.
     """
     volume = item.volume
-    origin, direction = _ray(camera, pixel, size)
+    origin, direction = pixel_ray(camera, pixel, size)
     if settings.planes.on:
         found = _on_plane(item, settings, clip, origin, direction)
         if found is not None or settings.planes.alone:
@@ -95,16 +95,6 @@ def _seen(item: VolumeItem, settings: VolumeSettings, values: NDArray) -> NDArra
         item.volume, settings.transfer, settings.opacity, settings.window, settings.level
     )
     return transfer.opacity(values) > FAINT
-
-
-def _ray(camera: Camera, pixel: Size, size: Size) -> tuple[NDArray, NDArray]:
-    """Origin and unit direction in world space."""
-    near, far = unproject(camera, pixel, size, 1.0), unproject(camera, pixel, size, 2.0)
-    direction = (far - near) / np.linalg.norm(far - near)
-    if not camera.orthographic:
-        return np.asarray(camera.position, np.float64), direction
-    # parallel rays begin behind everything that the eye could have in front of it
-    return near - direction * 1e6, direction
 
 
 def voxel_sentence(item: VolumeItem, index: tuple[int, int, int], value: float) -> str:
