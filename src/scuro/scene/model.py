@@ -19,6 +19,8 @@ from scuro.scene.geometry import Body
 from scuro.scene.lod import Level, levels_of_detail
 from scuro.scene.regions import Divided
 
+COUNTS = ("instances", "chains", "residues", "atoms")
+"""What is counted of every node of the tree."""
 DEFAULT_COLOR = (180, 180, 180)
 """sRGB of ingredients nobody has coloured."""
 
@@ -125,6 +127,20 @@ class Ingredient:
         return sum(map(len, self.parts)) + len(self.curves)
 
     @property
+    def chains(self) -> int:
+        """Chains in view."""
+        return sum(len(part) * len(np.unique(part.structure.chain)) for part in self.parts)
+
+    @property
+    def residues(self) -> int:
+        """Residues in view; those of a structure are numbered without gaps."""
+        return sum(
+            len(part) * (int(part.structure.residue.max()) + 1)
+            for part in self.parts
+            if len(part.structure)
+        )
+
+    @property
     def atoms(self) -> int:
         """Atoms in view: stored atoms times copies."""
         return sum(len(part) * len(part.structure) for part in self.parts)
@@ -138,6 +154,8 @@ class Node:
     children: dict[str, Node] = field(default_factory=dict)
     ingredient: Ingredient | None = None
     instances: int = 0
+    chains: int = 0
+    residues: int = 0
     atoms: int = 0
 
     def walk(self, depth: int = 0) -> Iterator[tuple[int, Node]]:
@@ -198,22 +216,22 @@ class MesoscaleModel:
             node = root
             for name in ("", *ingredient.path[1:]):
                 node = node.children.setdefault(name, Node(name)) if name else root
-                node.instances += ingredient.instances
-                node.atoms += ingredient.atoms
+                for count in COUNTS:
+                    setattr(node, count, getattr(node, count) + getattr(ingredient, count))
             node.ingredient = ingredient
         return root
 
     def outline(self) -> list[str]:
         """The tree with counts, a line a node."""
         rows = [
-            ("  " * depth + node.name, f"{node.instances:,}", f"{node.atoms:,}")
+            ("  " * depth + node.name, *(f"{getattr(node, count):,}" for count in COUNTS))
             for depth, node in self.tree.walk()
         ]
-        rows.insert(0, ("", "instances", "atoms"))
-        wide = [max(len(row[c]) for row in rows) for c in range(3)]
+        rows.insert(0, ("", *COUNTS))
+        wide = [max(map(len, column)) for column in zip(*rows, strict=True)]
         return [
-            f"{label:<{wide[0]}}  {instances:>{wide[1]}}  {atoms:>{wide[2]}}"
-            for label, instances, atoms in rows
+            "  ".join([label.ljust(wide[0]), *map(str.rjust, counts, wide[1:])])
+            for label, *counts in rows
         ]
 
     def summary(self) -> dict[str, Any]:

@@ -44,16 +44,19 @@ CALM: dict[str, dict[str, Any]] = {
     "atoms merged": {"semantic__calm": 0.0},
     "atoms merged, normals calmed": {},
 }
-PICTURES = """Pictures of a generated cell of 10⁸ atoms (first without, then with semantics; then
-the zoom of Figure 5.2) by
+PICTURES = r"""Pictures of a generated cell of 10⁸ atoms (without semantics, with them, with names
+and attention; then the zoom of Figure 5.2) by
 
     scuro make-mesoscale sample:1tii sample:1hpv -o cell.meso --atoms 1e8
     scuro render cell.meso -o plain.jpg --size 640x360 --clip 0,0,-1 --semantic plain
     scuro render cell.meso -o semantic.jpg --size 640x360 --clip 0,0,-1 --semantic screen
+    scuro render cell.meso -o names.jpg --size 640x360 --clip 0,0,-1 --semantic screen --labels \
+        --attention "compartment 2"
     scuro movie cell.meso -o zoom --size 640x360 --clip 0,0,-1 --motion zoom --length 4
 
 ![without semantics](images/mesoscale-plain.jpg)
 ![with semantics](images/mesoscale-semantic.jpg)
+![names and attention](images/mesoscale-names.jpg)
 
 ![zoom, b](images/mesoscale-zoom-b.jpg)
 ![zoom, c](images/mesoscale-zoom-c.jpg)
