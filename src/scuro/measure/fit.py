@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from scuro.scene.camera import Camera
     from scuro.scene.scene import Scene
 
+LEAST_OPACITY = 0.02
+"""Pixels of a volume with less are background."""
 SHARE = 3
 """Pictures to fit by are drawn at one in so many pixels along each side, down to LEAST_SIDE."""
 LEAST_SIDE = 96
@@ -86,7 +88,7 @@ class Fitter:
         image = self._draw(self._settings.replace(**reference.changes))
         self._truth = rgb(image.pixels)
         opacity = image.buffers().get("volume_opacity")
-        self._mask = None if opacity is None else opacity > 0.02
+        self._mask = None if opacity is None else opacity > LEAST_OPACITY
 
     def fitted(self, variant: Variant, numbers: Sequence[Number] | None = None) -> Variant:
         """The variant with its numbers changed to those that fit best.

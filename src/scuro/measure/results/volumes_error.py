@@ -6,11 +6,14 @@ opaque oblique regions come out too dark, semi-transparent ones too light.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from typing import Any
 
 from scuro.measure.bench import BenchOptions
-from scuro.measure.compare import Variant, compare
+from scuro.measure.compare import Variant, draw
+from scuro.measure.fit import LEAST_OPACITY, Fitter, rgb
+from scuro.measure.metrics import delta_e, psnr, ssim
 from scuro.measure.results.page import grid
 from scuro.measure.results.volumes import (
     HALF,
@@ -87,21 +90,25 @@ def _table(
     base = Settings(size=options.size)
     camera = camera_of(scene, options.size)
     truth = Variant("Monte Carlo", PLAIN | {f"volume__{part}__on": True} | TRUTH)
-    plain = [Variant(n, c | {factor: 1.0}) for n, c in variants.items()]
-    first, *at_one = compare(renderer, scene, camera, base, plain, truth, frames=1)
-    fitted = compare(renderer, scene, camera, base, plain, truth, frames=1, fit=True)[1:]
-    rows: dict[str, tuple[float | str | None, ...]] = {
-        row.technique: (
-            row.milliseconds,
-            first.milliseconds / row.milliseconds,
-            row.object.delta_e if row.object else None,
-            best.object.delta_e if best.object else None,
-            best.settings[factor.replace("__", ".")],
-            best.object.ssim if best.object else None,
-            best.object.psnr if best.object else None,
+    start = time.perf_counter()
+    image = renderer.render(scene, camera, base.replace(**truth.changes))
+    milliseconds = 1e3 * (time.perf_counter() - start)
+    wanted, mask = rgb(image.pixels), image.buffer("volume_opacity") > LEAST_OPACITY
+    fitter = Fitter(renderer, scene, camera, base, truth)
+    rows: dict[str, tuple[float | str | None, ...]] = {truth.name: (milliseconds, 1.0, *[None] * 5)}
+    for name, changes in variants.items():
+        plain = Variant(name, changes | {factor: 1.0})
+        drawn = draw(renderer, scene, camera, base, plain, 1)
+        best = fitter.fitted(plain)
+        pixels = rgb(renderer.render(scene, camera, base.replace(**best.changes)).pixels)
+        rows[name] = (
+            drawn.milliseconds,
+            milliseconds / drawn.milliseconds,
+            delta_e(rgb(drawn.pixels), wanted, mask),
+            delta_e(pixels, wanted, mask),
+            best.changes[factor],
+            ssim(pixels, wanted, mask),
+            psnr(pixels, wanted, mask),
         )
-        for row, best in zip(at_one, fitted, strict=True)
-    }
-    rows = {first.technique: (first.milliseconds, 1.0, *[None] * 5), **rows}
     heads = ["ms", "times faster", "ΔE2000, α = 1", "ΔE2000 fitted", "α", "SSIM", "PSNR [dB]"]
     return grid(["method", *heads], rows)

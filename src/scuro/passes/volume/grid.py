@@ -67,6 +67,8 @@ class VolumeGrid:
             slab = values[z : z + planes].astype(np.float32)
             slab = ((slab - np.float32(self.low)) * np.float32(scale)).astype(np.float16)
             self.gpu.write_texture(texture, slab, origin=(0, 0, z))
+            if planes < self.size[2]:
+                self.gpu.finish()  # or copies of all slabs wait in memory at once
         return texture
 
     @cached_property
