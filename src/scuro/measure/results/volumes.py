@@ -32,7 +32,7 @@ THESIS: dict[str, dict[str, tuple[float | str | None, ...]]] = {
         "Bonsai": (58, 110), "Backpack": (27, 83), "CT-Knee": (60, 22), "Foot": (59, 50),
     },
     "3.3": {
-        "VisMale(T)": (73, 49, 159, 376), "CT-Knee": (60, 22, 51, 96), "Foot": (59, 50, 98, 313),
+        "VisMale(T)": (49, 159, 376), "CT-Knee": (22, 51, 96), "Foot": (50, 98, 313),
     },
     "3.4": {"SyntheticBars": (89, 178, 83), "Engine": (74, 97, 63)},
     "3.5": {
@@ -74,7 +74,6 @@ TABLES: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
     "3.3": (
         "Light in image and in object space, 7 cones",
         {
-            "slices": SLICES,
             "image": IMAGE | SEVEN,
             "object, full resolution": OBJECT | SEVEN,
             "object, half": HALF | SEVEN,
