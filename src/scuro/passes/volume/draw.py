@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,13 +12,8 @@ from numpy.typing import NDArray
 from scuro.gpu import Gpu, Recorder
 from scuro.passes.volume.classify import Classified
 from scuro.passes.volume.grid import VolumeGrid
-from scuro.passes.volume.light import (
-    MOST_ITERATIONS,
-    LightTexture,
-    cone_kinds,
-    iterations,
-    light_constants,
-)
+from scuro.passes.volume.image_space import draw_cones, state_bytes
+from scuro.passes.volume.light import LightTexture, cone_kinds, light_constants
 from scuro.passes.volume.pyramid import Pyramid
 from scuro.passes.volume.scaling import Scaler, scaled_size, scaled_view
 from scuro.passes.volume.settings import MONTE_CARLO, PATHS, PEERS, SLICES, VolumeSettings
@@ -320,7 +314,10 @@ class VolumePicture:
             draw_slices(record, resources, constants, self.grid, settings, size, buffers)
             return
         if lighted and settings.light == "image":
-            self._draw_cones(record, resources, constants | light_constants(settings), settings)
+            bytes_ = state_bytes(size)
+            state = self._keep("pieces", bytes_, lambda: self.gpu.buffer(bytes_, label="pieces"))
+            constants |= light_constants(settings)
+            draw_cones(record, resources, constants, self.grid, settings, state)
             return
         if lighted:
             texels = LightTexture.texels_for(self.grid, settings)
@@ -335,29 +332,6 @@ class VolumePicture:
             {**constants, "ILLUMINATED": lighted},
             label="volume",
         )
-
-    def _draw_cones(
-        self,
-        record: Recorder,
-        resources: dict[str, Any],
-        constants: dict[str, Any],
-        settings: VolumeSettings,
-    ) -> None:
-        """Record the picture with cones from every sample of every ray."""
-        size = resources["march"]["width"], resources["march"]["height"]
-        piece = max(1, MOST_ITERATIONS // iterations(resources["cones"]["kinds"], resources))
-        samples = self.grid.diagonal / (settings.step * self.grid.voxel)
-        bytes_ = 32 * size[0] * size[1]
-        sums = self._keep("pieces", bytes_, lambda: self.gpu.buffer(bytes_, label="volume pieces"))
-        for i in range(math.ceil(samples / piece)):
-            record.compute(
-                "passes/volume/raycast_cones.wgsl",
-                "main",
-                size,
-                {**resources, "pieces": {"index": i}, "sums": sums},
-                {**constants, "PIECE": piece},
-                label="volume",
-            )
 
     def _no_surface(self) -> Any:
         return self.gpu.texture((1, 1), "rgba32float")
