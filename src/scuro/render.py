@@ -52,8 +52,19 @@ class _Built:
     """(2, 3) world box of the scene it was built for."""
 
 
+_OF_RAYS = ("ray", "hybrid", "analytic", "baked")
+_SMOOTHING = 32
+"""Samples that the widest smoothing looks about: à-trous at half resolution."""
 _SCREEN_SPACE = 64
 """Samples beyond a part that screen-space occlusion and filters may look at."""
+
+
+def _sight(settings: Settings) -> int:
+    """Samples beyond a part that its techniques may look at: smoothing, or all of screen space."""
+    technique = settings.occlusion.technique
+    if settings.semantic.mode != "off" or technique not in ("none", *_OF_RAYS):
+        return _SCREEN_SPACE
+    return min(_SCREEN_SPACE, max(2 * settings.occlusion.hybrid.reach + 8, _SMOOTHING))
 
 
 class Renderer:
@@ -247,8 +258,9 @@ class Renderer:
         most that parts of a larger one shall keep.
         """
         settings = with_implied(settings)
+        screen = _SCREEN_SPACE / settings.antialias.scale
         margin = (
-            _SCREEN_SPACE / settings.antialias.scale
+            screen
             + cues_reach(settings, settings.px)
             + focus_reach(settings.depth_of_field, settings.px)
             + FILTER_RADIUS
@@ -262,6 +274,8 @@ class Renderer:
             rows=rows,
         )
         if bands > 1 and len(parts) == 1:
+            # many thin bands: what looks less far about has narrower margins
+            margin += _sight(settings) / settings.antialias.scale - screen
             parts = split_bands(size, margin=math.ceil(margin), count=bands)
         if settings.stereo.mode != "side-by-side":
             return parts

@@ -13,9 +13,9 @@ from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.scene import Scene
 
-SLICE = 0.4
-"""Seconds that one slice of a resting picture should take at most."""
-LEAST_ROWS = 64
+SLICE = 0.1
+"""Seconds that one slice of a resting picture should take, margins aside."""
+LEAST_ROWS = 48
 """Rows of the thinnest slice: each also draws a margin."""
 _KEPT = {"picture": "rgba8unorm", "ids": "rgba32uint", "surface": "rgba32float"}
 
@@ -102,7 +102,7 @@ class Drawing:
     def _count(self, settings: Settings) -> int:
         width, height = settings.size
         wanted = self.rate * width * height / SLICE
-        return max(1, min(int(wanted), height // LEAST_ROWS))
+        return max(1, min(round(wanted), height // LEAST_ROWS))
 
 
 def _keep(recorder: Any, source: Any, target: Any, part: Part, scale: int) -> None:
