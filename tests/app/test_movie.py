@@ -167,3 +167,22 @@ def test_models_play_in_order(shared):
     assert motion.length > 50 and np.abs(first - last).max() > 5
     with pytest.raises(SettingsError, match="one model"):
         Motion(SceneFile((Input(path="sample:1hpv"),)), MovieSettings(play=True))
+
+
+@pytest.mark.parametrize("ending", ["gif", "mp4"])
+def test_a_disk_that_fills_while_frames_are_joined_loses_none(tmp_path, ending):
+    import resource
+
+    document = SceneFile((Input(path="sample:1hpv"),), settings=Settings(size=(64, 48)))
+    film = Film(tmp_path / f"a.{ending}", Motion(document, MovieSettings(length=4)), {})
+    assert len(list(film.draw(Renderer()))) == 4
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2048, before[1]))
+    try:
+        with pytest.raises(SaveError, match="frames are kept in"):
+            film.join()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert not film.path.exists() and film.missing == []
+    film.join()
+    assert film.path.stat().st_size > 2048 and not film.folder.exists()

