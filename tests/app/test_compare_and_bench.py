@@ -92,9 +92,15 @@ def test_the_results_page_has_every_table_beside_the_thesis(tmp_path):
 
     page = tmp_path / "results.md"
     page.write_text("# Results\n\n## Molecules: occlusion and shadows\n\nold\n\n## Gone\n\nx\n")
-    main(["molecules", "sample:1hpv", "-o", str(page), "--size", "48x36", "--frames", "1"])
+    measured = tmp_path / "measured.json"
+    measured.write_text("{}")
+    options = ["-o", str(page), "--size", "48x36", "--frames", "1", "--measured", str(measured)]
+    main(["molecules", "sample:1hpv", *options])
+    first = page.read_text()
+    main(["molecules", "--measured", str(measured), "-o", str(page), "--size", "48x36"])
     text = page.read_text()
+    assert text == first, "what was measured is written again, not measured again"
     assert "old" not in text and "## Gone" not in text
     for number in ("Table 4.1", "Table 4.3", "Table 5.2", "Table 5.3", "Figure 4.9"):
         assert number in text
-    assert "| 1AON, 58,870 | 38 | 50.1 |" in text and "| sample:1hpv | " in text
+    assert "| 1AON, 58,870 | 38 | 50.1 |" in text and "| sample:1hpv, " in text

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scenes import draw, renderer, scene_of, spheres
 
+from scuro.passes.occlusion import baked
 from scuro.passes.occlusion.baked import bake, bake_in_steps
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
@@ -68,3 +69,21 @@ def test_baking_in_steps_tells_its_share_and_ends_alike():
     assert shares == sorted(shares) and shares[-1] == 1
     atlas = bake(frame)
     assert atlas.patches == len(CLUSTER) and 0 < atlas.bytes < 64 * 2**20
+
+
+def test_an_atlas_of_120_000_patches_stays_within_64_megabytes():
+    settings = Settings().occlusion.baked
+    wide = baked._edge(120_000, settings.megabytes) + 2
+    assert wide > 4 and 4 * wide * wide * 120_000 <= 64e6
+
+
+def test_with_very_many_atoms_each_has_the_average_of_its_surface(monkeypatch):
+    scene = scene_of(spheres(*CLUSTER))
+    fine, seen = visibility(scene, "baked", baked__directions=512)
+    monkeypatch.setattr(baked, "MOST_PATCHES", 3)
+    scene = scene_of(spheres(*CLUSTER))
+    whole, _ = visibility(scene, "baked", baked__directions=512)
+    atoms = renderer().render(scene, FRONT, Settings(size=whole.shape[::-1])).buffer("atom")
+    values = [whole[atoms == atom] for atom in range(len(CLUSTER)) if (atoms == atom).any()]
+    assert all(np.ptp(v) < 1e-6 for v in values), "one value an atom"
+    assert abs((whole - fine)[seen].mean()) < 0.15 and np.ptp(whole[seen]) > 0.01

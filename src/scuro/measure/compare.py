@@ -88,14 +88,18 @@ def draw(
     variant: Variant,
     frames: int,
 ) -> Drawn:
-    """Draw a variant once to warm up and ``frames`` times for its median time."""
+    """Draw a variant once to warm up and ``frames`` times for its median time.
+
+    With 0 frames the first drawing is the one that is timed, compilation and building included.
+    """
     chosen = settings.replace(**variant.changes)
+    begun = time.perf_counter()
     image = renderer.render(scene, camera, chosen)
+    times = [] if frames else [time.perf_counter() - begun]
     buffers = image.buffers()
     shown = buffers["object"] >= 0
     if "volume_opacity" in buffers:
         shown |= buffers["volume_opacity"] > _LEAST_OPACITY
-    times = []
     for _ in range(frames):
         renderer.restart()
         start = time.perf_counter()
@@ -134,7 +138,7 @@ def compare(
     Raises:
         SettingsError: The picture shows nothing, so that there is nothing to compare.
     """
-    truth = draw(renderer, scene, camera, settings, reference, frames)
+    truth = draw(renderer, scene, camera, settings, reference, 0)
     if not truth.object_mask.any():
         raise SettingsError("the picture is empty: there is nothing to compare")
     rows = [

@@ -33,6 +33,8 @@ class BenchOptions:
     device: str | None = None
     say: Callable[[str], None] = lambda text: None
     """Tells people what is measured just now."""
+    measured: Path | None = None
+    """JSON of earlier runs to go on from, where a benchmark keeps one."""
 
     def plain(self) -> Settings:
         """Direct light alone, at the size asked for: what single techniques are added to."""

@@ -5,15 +5,19 @@ Without inputs it measures droplets of 300 to 1,000,000 atoms, which are made an
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from scuro.measure.bench import BenchOptions
+from scuro.export.files import replacing
+from scuro.load import load
+from scuro.measure.bench import BenchOptions, label
 from scuro.measure.bench.visibility import scenes
 from scuro.measure.compare import Variant, compare, draw
 from scuro.measure.results.page import grid
 from scuro.render import Renderer
+from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings, view_camera
 
 TITLE = "Molecules: occlusion and shadows"
@@ -78,6 +82,11 @@ FIGURE_4_9 = (
     Variant("ray, 100 samples", {_AO: "ray", "occlusion__samples": 100}),
     Variant("ray, 1 sample, half", _RAY_1 | {"occlusion__resolution": "half"}),
     Variant("ray, 4 samples", {_AO: "ray"}),
+    Variant(
+        "ray, 16 samples, unfiltered",
+        {_AO: "ray", "occlusion__samples": 16, "occlusion__filter": "none"},
+    ),
+    Variant("hybrid, 4 samples", {_AO: "hybrid", "occlusion__samples": 4}),
 )
 """Techniques of the figure that are settings of one; all others follow with their defaults."""
 
@@ -92,58 +101,93 @@ def occlusion_variants() -> list[Variant]:
 
 
 def section(options: BenchOptions) -> Iterator[str]:
-    """The section's paragraphs, measured as they are asked for."""
+    """The section's paragraphs.
+
+    Inputs are files, with ``#N`` for biological assembly N. Numbers of other inputs that
+    ``options.measured`` holds stand beside; those of this run are added to it.
+    """
+    measured: dict[str, Any] = {}
+    if options.measured and options.measured.exists():
+        measured = json.loads(options.measured.read_text())
     renderer = Renderer(options.device)
-    width, height = options.size
-    named = list(scenes(options))
+    for name, scene in _scenes(options):
+        measured[name] = _measure(renderer, name, scene, options)
+        if options.measured:
+            with replacing(options.measured) as file:
+                file.write(json.dumps(measured, indent=1).encode())
+    named = dict(sorted(measured.items(), key=lambda pair: pair[1]["atoms"]))
     yield (
         "Beside each table stand the numbers that Easdon (2013) printed for an ATI Mobility Radeon "
-        "HD 5650."
+        f"HD 5650. Here: {renderer.gpu.info}, {options.size[0]} × {options.size[1]}."
     )
-    settings = options.plain().replace(lighting__preset="simple")
     for table in TABLES:
-        rows = {}
-        for name, scene in named:
-            options.say(f"table {table.number}, {name}")
-            camera = view_camera(scene, ViewSettings(), width / height)
-            plain = draw(renderer, scene, camera, settings, Variant("none", {}), options.frames)
-            own = table.unit == "s"  # a path-traced frame has no other in it
-            rows[name] = tuple(
-                table.scale
-                * (
-                    draw(
-                        renderer, scene, camera, settings, Variant(column, changes), options.frames
-                    ).milliseconds
-                    - (0.0 if own else plain.milliseconds)
-                )
-                for column, changes in table.columns.items()
-            )
         yield f"### {table.title} (Table {table.number})"
         heads = [f"{column} [{table.unit}]" for column in table.columns]
+        rows = {_titled(name, found): tuple(found[table.number]) for name, found in named.items()}
         yield grid(["here", *heads], rows)
         yield grid(["Easdon 2013", *heads], THESIS[table.number])
     yield "### Techniques of ambient occlusion against 1024 rays (Figure 4.9)"
     yield (
-        "Milliseconds are whole frames. RMSE is of the visibility itself; SSIM and mean CIE ΔE2000 "
-        "are of the picture over the molecule's pixels."
+        "Milliseconds are what the technique adds to the frame without occlusion. Over the "
+        "molecule's pixels: RMSE of the visibility itself; mean and local contrast of the picture "
+        "over those of the reference; SSIM and mean CIE ΔE2000 of the picture. Plain sampling is "
+        "'ray, 16 samples, unfiltered'."
     )
-    for name, scene in named:
-        options.say(f"figure 4.9, {name}")
-        camera = view_camera(scene, ViewSettings(), width / height)
-        found = compare(
-            renderer, scene, camera, settings, occlusion_variants(), _REFERENCE,
-            frames=options.frames,
-        )  # fmt: skip
-        yield f"#### {name}"
-        yield grid(
-            ["technique", "ms", "RMSE", "SSIM", "ΔE2000"],
-            {
-                row.technique: (
-                    row.milliseconds,
-                    row.notes.get("visibility_rmse"),
-                    row.object.ssim if row.object else None,
-                    row.object.delta_e if row.object else None,
-                )
-                for row in found
-            },
-        )
+    for name, found in named.items():
+        yield f"#### {_titled(name, found)}"
+        rows = {technique: tuple(row) for technique, row in found["4.9"].items()}
+        yield grid(["technique", "ms", "RMSE", "mean", "contrast", "SSIM", "ΔE2000"], rows)
+
+
+def _titled(name: str, found: dict[str, Any]) -> str:
+    return f"{name}, {found['atoms']:,}"
+
+
+def _scenes(options: BenchOptions) -> Iterator[tuple[str, Scene]]:
+    if not options.inputs and not options.measured:
+        yield from scenes(options)
+    for given in options.inputs:
+        path, _, assembly = given.partition("#")
+        scene = Scene().add(load(path)).show("spacefill")
+        if assembly:
+            scene.molecules[0].assembly = assembly
+        yield label(path) + given[len(path) :], scene
+
+
+def _measure(renderer: Renderer, name: str, scene: Scene, options: BenchOptions) -> dict[str, Any]:
+    """Rows of all tables for one scene."""
+    width, height = options.size
+    settings = options.plain().replace(
+        lighting__preset="simple", occlusion__technique="none", shadows__technique="none"
+    )
+    camera = view_camera(scene, ViewSettings(), width / height)
+
+    def timed(changes: dict[str, Any]) -> float:
+        variant = Variant("", changes)
+        return draw(renderer, scene, camera, settings, variant, options.frames).milliseconds
+
+    plain = timed({})
+    found: dict[str, Any] = {"atoms": renderer.accelerator(scene).spheres}
+    for table in TABLES:
+        options.say(f"table {table.number}, {name}")
+        bare = 0.0 if table.unit == "s" else plain  # a path-traced frame has no other in it
+        found[table.number] = [
+            table.scale * (timed(changes) - bare) for changes in table.columns.values()
+        ]
+    options.say(f"figure 4.9, {name}")
+    rows = compare(
+        renderer, scene, camera, settings, occlusion_variants(), _REFERENCE, frames=options.frames
+    )
+    found["4.9"] = {
+        row.technique: [
+            row.milliseconds - plain,
+            row.notes.get("visibility_rmse"),
+            row.object.mean_luminance / row.object.mean_luminance_reference,
+            row.object.local_contrast / row.object.local_contrast_reference,
+            row.object.ssim,
+            row.object.delta_e,
+        ]
+        for row in rows
+        if row.object
+    }
+    return found
