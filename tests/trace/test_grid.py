@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from harness import evaluate, gpu
 
+from scuro.render import Renderer
+from scuro.render_settings import Settings
 from scuro.scene.clip import Clip, Plane
-from scuro.scene.geometry import Body, Geometry, rotation_matrices
+from scuro.scene.geometry import Body, Frames, Geometry, quaternions, rotation_matrices
+from scuro.scene.scene import Scene
 from scuro.trace import build_accelerator
 
 
@@ -19,11 +24,27 @@ def _balls(n, seed, spread, radius, anisotropy=(1, 1, 1)):
     return Geometry(table, np.zeros((n, 4), np.uint8), np.arange(n, dtype=np.int32))
 
 
-def _turned(geometry, copies, seed, spread):
+def _poses(copies, seed, spread):
     rng = np.random.default_rng(seed)
     q = rng.normal(size=(copies, 4))
     q /= np.linalg.norm(q, axis=1, keepdims=True)
-    return Body(geometry, np.float32(q), rng.normal(size=(copies, 3)) * spread)
+    return np.float32(q), rng.normal(size=(copies, 3)) * spread
+
+
+def _turned(geometry, copies, seed, spread, frames=None):
+    return Body(geometry, *_poses(copies, seed, spread), frames=frames)
+
+
+def _assemblies():
+    """Two kinds of assemblies, one of two bodies; a body of its own; an assembly without frames."""
+    viruses, cells = Frames(*_poses(7, 20, 60)), Frames(*_poses(3, 21, 90))
+    return [
+        _turned(_balls(20, 22, 2, (0.5, 1)), 15, 23, 10, viruses),
+        _turned(_balls(40, 24, 5, (0.5, 1)), 3, 25, 60),
+        Body(_balls(30, 26, 4, (0.5, 1.5)), frames=viruses),
+        _turned(_balls(50, 27, 3, (0.5, 1)), 10, 28, 15, cells),
+        Body(_balls(5, 29, 1, (1, 2)), frames=Frames(np.zeros((0, 4)), np.zeros((0, 3)))),
+    ]
 
 
 SCENES = {
@@ -35,8 +56,21 @@ SCENES = {
         Body(_balls(200, 5, 10, (0.05, 0.1))), Body(_balls(1, 6, 1, (6, 6)))
     ],
     "instances": [_turned(_balls(50, 7, 3, (0.5, 1)), 40, 8, 30)],
+    "assemblies": _assemblies(),
+    "a single assembly": [
+        _turned(_balls(20, 31, 2, (0.5, 1)), 30, 32, 12, Frames(*_poses(1, 33, 40)))
+    ],
     "distant instances": [_turned(_balls(20, 9, 2, (0.5, 1)), 3, 10, 2000)],
 }  # fmt: skip
+
+
+def _copies(body):
+    """Matrices and positions in the world: frame by frame, and in each instance by instance."""
+    own = list(zip(rotation_matrices(body.rotations), body.positions, strict=True))
+    if body.frames is None:
+        return own
+    outer = zip(rotation_matrices(body.frames.rotations), body.frames.positions, strict=True)
+    return [(f @ m, f @ p + q) for f, q in outer for m, p in own]
 
 
 def _world(bodies):
@@ -45,9 +79,15 @@ def _world(bodies):
         [
             np.hstack([body.geometry.spheres[:, :3] @ m.T + p, body.geometry.spheres[:, 3:]])
             for body in bodies
-            for m, p in zip(rotation_matrices(body.rotations), body.positions, strict=True)
+            for m, p in _copies(body)
         ]
     ).astype(np.float64)
+
+
+def _numbers(bodies):
+    """The number of the instance to which each sphere in the world belongs."""
+    counts = [len(body.geometry) for body in bodies for _ in _copies(body)]
+    return np.repeat(np.arange(len(counts)), counts)
 
 
 def _rays(spheres, count, seed):
@@ -82,7 +122,8 @@ def _traced(bodies, o, d, clip=None):
     resources, constants = accelerator.clipped(clip or Clip())
     shared = {"a": o, "b": d, "resources": resources, "constants": constants}
     nearest = evaluate("trace.wgsl", "trace_nearest(Ray(a.xyz, b.xyz), a.w, NOTHING)",
-                       result="vec4f(value.t, f32(value.instance), f32(slot_of(value.primitive)), "
+                       result="vec4f(value.t, f32(leaf_number(value.instance, value.frame, "
+                       "instance_at(value.instance).object)), f32(slot_of(value.primitive)), "
                        "f32(value.cap))", **shared)  # fmt: skip
     some = evaluate("trace.wgsl", "select(0.0, 1.0, trace_any(Ray(a.xyz, b.xyz), a.w, NOTHING))",
                     **shared)  # fmt: skip
@@ -111,9 +152,9 @@ def test_every_sphere_is_found(name):
     assert np.all(np.abs(nearest[:, 0] - wanted)[both] < 3e-5 * scale[both])
 
 
-def test_a_hit_names_its_instance():
-    bodies = SCENES["instances"]
-    count = len(bodies[0].geometry)
+@pytest.mark.parametrize("name", ["instances", "assemblies"])
+def test_a_hit_names_its_instance(name):
+    bodies = SCENES[name]
     spheres = _world(bodies)
     o, d = _rays(spheres, 3000, 5)
     t, _ = _entries(o, d, spheres)
@@ -122,7 +163,7 @@ def test_a_hit_names_its_instance():
     lone = order[:, 0] + 1e-2 < order[:, 1]
     nearest, _ = _traced(bodies, o, d)
     assert lone.sum() > 500
-    same = nearest[lone, 1] == (t.argmin(axis=1) // count)[lone]
+    same = nearest[lone, 1] == _numbers(bodies)[t.argmin(axis=1)][lone]
     assert same.mean() > 0.998
 
 
@@ -145,3 +186,39 @@ def test_nothing_traces_to_nothing():
                                                  np.zeros((0, 3)))]):  # fmt: skip
         nearest, some = _traced(bodies, o, d)
         assert np.all(nearest[:, 0] > 1e38) and not some.any()
+
+
+def test_the_picture_of_assemblies_is_that_of_all_their_instances():
+    """Atoms, instances and objects, depths, occlusion and soft shadows."""
+    bodies = _assemblies()
+    flat = [
+        Body(
+            body.geometry,
+            quaternions(np.reshape([m for m, _ in _copies(body)], (-1, 3, 3))),
+            np.reshape([p for _, p in _copies(body)], (-1, 3)),
+        )
+        for body in bodies
+    ]
+    settings = Settings(size=(160, 120)).replace(
+        occlusion__technique="ray", occlusion__samples=8, occlusion__filter="none",
+        shadows__technique="soft",
+    )  # fmt: skip
+    found = []
+    camera = None
+    for shown in (bodies, flat):
+        scene = Scene()
+        scene.extra_bodies += shown
+        renderer = Renderer(gpu=gpu())
+        camera = camera or replace(renderer.fitted(scene, settings), fov=8)
+        image = renderer.render(scene, camera, settings)
+        names = ("instance", "object", "atom", "depth", "visibility")
+        found.append({name: image.buffer(name) for name in names} | {"picture": image.pixels})
+    a, b = found
+    assert (a["object"] >= 0).sum() > 1000
+    for name in ("instance", "object", "atom"):
+        assert (a[name] == b[name]).mean() > 0.998, name
+    same = (a["instance"] == b["instance"]) & (a["object"] >= 0)
+    assert np.allclose(a["depth"][same], b["depth"][same], rtol=1e-4)
+    assert abs(a["visibility"] - b["visibility"])[same].mean() < 0.01
+    difference = abs(a["picture"].astype(int) - b["picture"]).max(axis=2)
+    assert (difference > 8).mean() < 0.02

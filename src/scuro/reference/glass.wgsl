@@ -11,10 +11,11 @@ override HAS_GLASS: bool = false;
 struct Inside {
     primitive: u32,
     instance: u32,
+    frame: u32,
     ior: f32,
 }
 
-const OUTSIDE = Inside(NO_PRIMITIVE, 0u, 1.0);
+const OUTSIDE = Inside(NO_PRIMITIVE, 0u, NO_FRAME, 1.0);
 // Overlapping solids that a path may cross without a bend.
 const MOST_SOLIDS: u32 = 16u;
 
@@ -34,13 +35,13 @@ fn enter_glass(ray: Ray, hit: Hit, at: Surface, material: Material, choice: f32)
         return Passage(up, OUTSIDE, vec3f(1.0), false);
     }
     let down = refract(ray.direction, at.normal, 1.0 / material.ior);
-    let within = Inside(hit.primitive, hit.instance, material.ior);
+    let within = Inside(hit.primitive, hit.instance, hit.frame, material.ior);
     return Passage(Ray(at.position - offset, down), within, vec3f(1.0), false);
 }
 
 // Where a ray from within a primitive leaves it.
-fn exit_distance(ray: Ray, primitive: u32, index: u32) -> f32 {
-    let instance = instance_at(index);
+fn exit_distance(ray: Ray, primitive: u32, index: u32, frame: u32) -> f32 {
+    let instance = placed(index, frame);
     let inverse = conjugate(instance.rotation);
     let local = Ray(rotate(inverse, ray.origin - instance.center), rotate(inverse, ray.direction));
     return max(primitive_span(local, primitive).far, 0.0);
@@ -48,7 +49,7 @@ fn exit_distance(ray: Ray, primitive: u32, index: u32) -> f32 {
 
 fn leave_glass(ray: Ray, inside: Inside, choice: f32) -> Passage {
     var last = inside;
-    var end = exit_distance(ray, inside.primitive, inside.instance);
+    var end = exit_distance(ray, inside.primitive, inside.instance, inside.frame);
     // the start lies in one solid only: all others on the way are entered
     var from_t = 0.0;
     for (var i = 0u; i < MOST_SOLIDS; i += 1u) {
@@ -60,16 +61,17 @@ fn leave_glass(ray: Ray, inside: Inside, choice: f32) -> Passage {
         if (material_at(instance.object).kind != GLASS) {
             return Passage(ray, OUTSIDE, vec3f(1.0), true);
         }
-        let beyond = exit_distance(ray, hit.primitive, hit.instance);
+        let beyond = exit_distance(ray, hit.primitive, hit.instance, hit.frame);
         if (beyond > end) {
             end = beyond;
-            last = Inside(hit.primitive, hit.instance, inside.ior);
+            last = Inside(hit.primitive, hit.instance, hit.frame, inside.ior);
         }
         from_t = hit.t + 1e-5 * scene.primitive_radius;
     }
     // seen from outside, the exit is an entry
     let back = Ray(ray.origin + (end + scene.primitive_radius) * ray.direction, -ray.direction);
-    let at = surface_at(back, Hit(scene.primitive_radius, last.primitive, last.instance, 0u, 2.0));
+    let exit = Hit(scene.primitive_radius, last.primitive, last.instance, 0u, 2.0, last.frame);
+    let at = surface_at(back, exit);
     let offset = at.normal * surface_offset(at.position, at.t);
     let cosine = dot(ray.direction, at.normal);
     if (choice < dielectric(cosine, 1.0 / inside.ior)) {

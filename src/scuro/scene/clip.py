@@ -139,6 +139,8 @@ def drop_outside(body: Body, clip: Clip) -> Body:
     """
     if not body.clipped or not clip.planes or not len(body.geometry):
         return body
+    if body.frames is not None:
+        return body  # all frames show the same assembly, which planes cut only as they trace it
     matrices = rotation_matrices(body.rotations)
     if len(body.positions) != 1:
         middle = body.geometry.bounds.astype(np.float64).mean(axis=0)

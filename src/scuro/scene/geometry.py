@@ -99,6 +99,27 @@ class Material:
 
 
 @dataclass(frozen=True, eq=False)
+class Frames:
+    """Rigid transforms by which whole assemblies of bodies are placed in the world.
+
+    Bodies with the same ``Frames`` are one assembly: a virus of many ingredients, placed often in a
+    cell. Its memory is that of one virus and 32 bytes a frame.
+    """
+
+    rotations: NDArray[np.float32]
+    """(m, 4) unit quaternions x, y, z, w."""
+    positions: NDArray[np.float64]
+    """(m, 3) world positions of the assembly's origin."""
+
+    def __post_init__(self) -> None:
+        if len(self.rotations) != len(self.positions):
+            raise SettingsError(
+                f"an assembly has {len(self.rotations)} rotations "
+                f"but {len(self.positions)} positions"
+            )
+
+
+@dataclass(frozen=True, eq=False)
 class Body:
     """One geometry placed in the world by rigid transforms: an *object* of the G-buffer.
 
@@ -111,7 +132,7 @@ class Body:
     )
     """(k, 4) unit quaternions x, y, z, w."""
     positions: NDArray[np.float64] = field(default_factory=lambda: np.zeros((1, 3)))
-    """(k, 3) world positions of the local origin."""
+    """(k, 3) positions of the local origin: in the world, or in the assembly's own space."""
     name: str = ""
     path: tuple[str, ...] = ()
     """Place in the scene's tree, root first, e.g. ``("HIV", "plasma", "albumin")``."""
@@ -120,6 +141,8 @@ class Body:
     """Whether clipping planes cut it (a clip can spare a selection)."""
     closed: bool = True
     """Whether its triangles enclose solids, which show caps where planes cut them."""
+    frames: Frames | None = None
+    """Where the assembly that it belongs to stands; ``None`` for a body that stands by itself."""
 
     def __post_init__(self) -> None:
         if len(self.rotations) != len(self.positions):
@@ -134,20 +157,37 @@ class Body:
         low, high = self.geometry.bounds.astype(np.float64)
         return float(np.linalg.norm(high - low) / 2)
 
+    @property
+    def instances(self) -> int:
+        """How often its geometry stands in the world."""
+        return len(self.positions) * (1 if self.frames is None else len(self.frames.positions))
+
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) world box around all instances (through their bounding boxes' corners)."""
-        low, high = self.geometry.bounds.astype(np.float64)
-        if len(self.positions) == 0:
-            return np.zeros((2, 3))
-        middle, half = (low + high) / 2, (high - low) / 2
-        boxes = []
-        for start in range(0, len(self.positions), _SLICE):
-            matrices = rotation_matrices(self.rotations[start : start + _SLICE])
-            centers = matrices @ middle + self.positions[start : start + _SLICE]
-            reach = np.abs(matrices) @ half
-            boxes.append([(centers - reach).min(axis=0), (centers + reach).max(axis=0)])
-        return np.stack([np.min([b[0] for b in boxes], 0), np.max([b[1] for b in boxes], 0)])
+        if self.frames is None:
+            return self.own_bounds
+        return _placed_box(self.own_bounds, self.frames.rotations, self.frames.positions)
+
+    @cached_property
+    def own_bounds(self) -> NDArray[np.float64]:
+        """The same in the space of its positions: the assembly's, if it belongs to one."""
+        return _placed_box(self.geometry.bounds, self.rotations, self.positions)
+
+
+def _placed_box(box: NDArray, rotations: NDArray, positions: NDArray) -> NDArray[np.float64]:
+    """(2, 3) box around rigidly placed copies of a box (2, 3), through its corners."""
+    low, high = np.asarray(box, np.float64)
+    if len(positions) == 0:
+        return np.zeros((2, 3))
+    middle, half = (low + high) / 2, (high - low) / 2
+    boxes = []
+    for start in range(0, len(positions), _SLICE):
+        matrices = rotation_matrices(rotations[start : start + _SLICE])
+        centers = matrices @ middle + positions[start : start + _SLICE]
+        reach = np.abs(matrices) @ half
+        boxes.append([(centers - reach).min(axis=0), (centers + reach).max(axis=0)])
+    return np.stack([np.min([b[0] for b in boxes], 0), np.max([b[1] for b in boxes], 0)])
 
 
 def rotation_matrices(quaternions: NDArray) -> NDArray[np.float64]:

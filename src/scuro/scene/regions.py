@@ -110,7 +110,7 @@ def hierarchy_of(divided: Sequence[Divided]) -> Hierarchy:
         levels.append(Level(name, BY_OBJECT, len(labels), depth if inner else deepest - 1))
         labels.append(label)
         names.append(tuple("/".join(c[1:]) or c[0] for c in found))
-    if any(len(d.body.positions) > 1 or d.fibre for d in divided):
+    if any(d.body.instances > 1 or d.fibre for d in divided):
         levels.append(Level("instance", BY_INSTANCE, depth=deepest - 1))
     divisions = max((len(d.divisions) for d in divided), default=0)
     offsets = np.full((max(divisions, 1), max(len(divided), 1)), NO_GROUPS, np.uint32)

@@ -195,7 +195,7 @@ def scene_points(scene: Scene) -> NDArray[np.float64]:
     Volumes and other items without surfaces add the corners of their boxes.
     """
     bodies = scene.bodies()
-    exact = sum(len(b.geometry) * len(b.positions) for b in bodies) <= _EXACT_POINTS
+    exact = sum(len(b.geometry) * b.instances for b in bodies) <= _EXACT_POINTS
     found = [body_points(body, exact) for body in bodies]
     boxes = [item.volume.bounds for item in scene.volumes]
     found += [_bare(item.outline) for item in scene.reservoirs]
@@ -225,6 +225,15 @@ def body_points(body: Body, exact: bool) -> NDArray[np.float64]:
     turned = np.einsum("kij,nj->kni", rotation_matrices(body.rotations), local[:, :3])
     centers = turned + body.positions[:, None, :]
     radii = np.broadcast_to(local[None, :, 3], centers.shape[:2])
+    own = np.concatenate([centers, radii[..., None]], axis=-1).reshape(-1, 4)
+    if body.frames is None:
+        return own
+    if not exact:
+        box = body.own_bounds
+        own = np.append(box.mean(axis=0), np.linalg.norm(box[1] - box[0]) / 2)[None]
+    turned = np.einsum("kij,nj->kni", rotation_matrices(body.frames.rotations), own[:, :3])
+    centers = turned + body.frames.positions[:, None, :]
+    radii = np.broadcast_to(own[None, :, 3], centers.shape[:2])
     return np.concatenate([centers, radii[..., None]], axis=-1).reshape(-1, 4)
 
 

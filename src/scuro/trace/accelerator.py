@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scuro.gpu import Gpu
 from scuro.scene.camera import Camera
 from scuro.scene.clip import MAX_PLANES, Clip
-from scuro.scene.geometry import Body, turned
+from scuro.scene.geometry import Body
 from scuro.trace.grids import (
     GRID,
     GridPlan,
@@ -27,36 +27,10 @@ from scuro.trace.grids import (
     plan_grids,
     weighted_median,
 )
+from scuro.trace.objects import object_table
 from scuro.trace.pack import PackedGeometry, pack_geometry
+from scuro.trace.placement import Placement, place
 from scuro.trace.table import float_table, table, table_bytes
-
-INSTANCE = np.dtype([("rotation", np.float32, 4), ("center", np.float32, 3), ("object", np.uint32)])
-"""``Instance`` of wgsl/scene.wgsl: 32 bytes."""
-
-OBJECT = np.dtype(
-    [
-        ("grid", GRID),
-        ("radius", np.float32),
-        ("flags", np.uint32),
-        ("coarser", np.uint32),
-        ("detail", np.float32),
-        ("diffuse", np.float32),
-        ("specular", np.float32),
-        ("shininess", np.float32),
-        ("opacity", np.float32),
-        ("roughness", np.float32),
-        ("ior", np.float32),
-        ("kind", np.uint32),
-        ("pad2", np.uint32),
-    ]
-)
-"""``Traced`` and ``Material`` of wgsl/scene.wgsl: OBJECT_TEXELS texels."""
-
-MATERIAL_KINDS = ("diffuse", "glossy", "metal", "mirror", "glass")
-UNCLIPPED, OPEN = 1, 2
-"""As in wgsl/scene.wgsl."""
-OPACITY_SHIFT = 24
-"""The flags' highest byte is the opacity (wgsl/opacity.wgsl)."""
 
 
 @dataclass(eq=False)
@@ -83,7 +57,11 @@ class Accelerator:
     first_slots: dict[int, int]
     """By ``id(geometry)``: its first slot in ``slots``."""
     cluster_runs: tuple[tuple[int, int, int, int], ...]
-    """For each body: first instance, instances, first cluster, clusters."""
+    """For each body outside assemblies: first instance, instances, first cluster, clusters."""
+    whole_runs: tuple[tuple[int, int], ...]
+    """Runs of instances that the grid over the scene lists: first and number."""
+    frame_run: tuple[int, int]
+    """The same of assemblies' frames alone."""
     scene: dict[str, Any]
     """Field values of the ``scene`` uniform, but for the clipping planes."""
     _grown: tuple[Growth, dict[str, Any]] | None = None
@@ -126,20 +104,24 @@ class Accelerator:
         """
         if self._grown is None or self._grown[0] != growth:
             self._grown = None  # frees the old ones first
-            plan = plan_grids(self.bodies, self.packed, self.center, growth)
-            instances, spheres = _instances(self.bodies, self.center, self.packed)
-            spheres[:, 3] += np.repeat(
-                [plan.reach[id(b.geometry)] for b in self.bodies],
-                [len(b.positions) for b in self.bodies],
-            )
-            objects = _objects(self.bodies, self.packed, plan)
-            alone = _alone(self.bodies)
-            top = objects[int(instances[0]["object"])]["grid"] if alone else plan.grids[0]
+            placement = place(self.bodies, self.center, self.packed)
+            plan = plan_grids(self.bodies, self.packed, placement, self.center, growth)
+            objects = object_table(self.bodies, self.packed, plan, placement)
+            spheres = placement.spheres.copy()
+            # by as much as the objects' own spheres have grown
+            spheres[:, 3] += self._reach(plan, placement)
+            top = _top(objects, plan, placement)
             resources = build_grids(gpu, plan, self.resources["slots"], spheres)
             resources["objects"] = table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects")
             resources["scene"] = {"top": {name: top[name] for name in GRID.names or ()}}
             self._grown = (growth, resources)
         return self._grown[1]
+
+    def _reach(self, plan: GridPlan, placement: Placement) -> NDArray[np.float64]:
+        """How far the solids of each row of the instance table are listed beyond their surfaces."""
+        reach = [plan.reach[id(b.geometry)] for b in self.bodies]
+        reach += [max(reach[i] for i in a.bodies) for a in placement.assemblies]
+        return np.asarray([*reach, 0.0])[placement.instances["object"]]
 
 
 def build_accelerator(
@@ -154,22 +136,22 @@ def build_accelerator(
         bounds: (2, 3) world box of the whole scene, other data included; the bodies' by default.
     """
     packed = _packed_with_levels(bodies)
-    instances, spheres = _instances(bodies, center, packed)
+    placement = place(bodies, center, packed)
+    instances = placement.instances
     slots = joined([p.slots for p in packed.values()], (0, 4), np.float32)
     attributes = joined([p.attributes for p in packed.values()], (0, 4), np.uint32)
     slot_table = float_table(gpu, slots, "primitives")
-    plan = plan_grids(bodies, packed, center)
-    objects = _objects(bodies, packed, plan)
-    # a single instance needs no grid above it
-    top = objects[int(instances[0]["object"])]["grid"] if _alone(bodies) else plan.grids[0]
+    plan = plan_grids(bodies, packed, placement, center)
+    objects = object_table(bodies, packed, plan, placement)
+    top = _top(objects, plan, placement)
     resources = {
         "slots": slot_table,
         "attributes": table(gpu, attributes, "attributes"),
         "instances": table(gpu, instances.view(np.uint32).reshape(-1, 4), "instances"),
         "objects": table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects"),
-        **build_grids(gpu, plan, slot_table, spheres),
+        **build_grids(gpu, plan, slot_table, placement.spheres),
     }
-    clusters, runs = _clusters(bodies, packed)
+    clusters, runs = _clusters(bodies, packed, placement)
     resources["clusters"] = gpu.buffer(clusters, label="clusters")
     if bounds is None:
         boxes = [b.bounds for b in bodies if len(b.positions) and len(b.geometry)]
@@ -184,7 +166,7 @@ def build_accelerator(
     primitive_radius = (
         weighted_median(
             [packed[id(b.geometry)].median_radius for b in sized],
-            [len(packed[id(b.geometry)].primitives) * len(b.positions) for b in sized],
+            [len(packed[id(b.geometry)].primitives) * b.instances for b in sized],
         )
         if sized
         else extent / 100
@@ -194,14 +176,15 @@ def build_accelerator(
         constants={
             "HAS_RODS": any(p.has_rods for p in packed.values()),
             "HAS_TRIANGLES": any(p.has_triangles for p in packed.values()),
-            "HAS_TOP_LEVEL": not _alone(bodies),
+            "HAS_TOP_LEVEL": not placement.single,
             "HAS_OPACITY": any(b.material.opacity < 1 for b in bodies),
+            "HAS_NESTING": bool(placement.assemblies),
             "HAS_LEVELS": any(b.geometry.levels for b in bodies),
         },
         bytes=sum(table_bytes(t) for n, t in resources.items() if n != "clusters"),
-        instances=sum(len(b.positions) for b in bodies),
+        instances=sum(b.instances for b in bodies),
         primitives=sum(len(p.primitives) for p in packed.values()),
-        spheres=sum(len(b.geometry.spheres) * len(b.positions) for b in bodies),
+        spheres=sum(len(b.geometry.spheres) * b.instances for b in bodies),
         center=np.asarray(center, np.float64),
         extent=extent,
         primitive_radius=primitive_radius,
@@ -209,11 +192,12 @@ def build_accelerator(
         packed=packed,
         first_slots=plan.first_slots,
         cluster_runs=runs,
+        whole_runs=_runs(placement.listed[0]),
+        frame_run=(len(instances) - placement.frames, placement.frames),
         scene={
             "top": {name: top[name] for name in GRID.names or ()},
             "rotation": instances[0]["rotation"] if len(instances) else (0, 0, 0, 1),
             "center": instances[0]["center"] if len(instances) else (0, 0, 0),
-            "instance_count": sum(len(b.positions) for b in bodies),
             "extent": extent,
             "primitive_radius": primitive_radius,
             "eye": (0.0, 0.0, 0.0),
@@ -223,11 +207,11 @@ def build_accelerator(
     )
 
 
-def _alone(bodies: Sequence[Body]) -> bool:
-    """Whether all is one opaque instance, which needs no grid above it."""
-    return sum(len(b.positions) for b in bodies) == 1 and all(
-        b.material.opacity == 1 for b in bodies
-    )
+def _top(objects: NDArray, plan: GridPlan, placement: Placement) -> Any:
+    """The grid where rays start: a single instance needs none above its own."""
+    if placement.single:
+        return objects[int(placement.instances[0]["object"])]["grid"]
+    return plan.grids[0]
 
 
 def _packed_with_levels(bodies: Sequence[Body]) -> dict[int, PackedGeometry]:
@@ -242,97 +226,27 @@ def _packed_with_levels(bodies: Sequence[Body]) -> dict[int, PackedGeometry]:
     return packed
 
 
-def _with_levels(
-    objects: NDArray, bodies: Sequence[Body], packed: dict[int, PackedGeometry], grids: dict
-) -> NDArray:
-    """The object table with a row for each coarser level, and links from each to the next."""
-    first: dict[int, int] = {}
-    rows = []
-    for index, body in enumerate(bodies):
-        levels = body.geometry.levels
-        if not levels:
-            continue
-        key = id(body.geometry)
-        if key not in first:
-            first[key] = len(objects) + len(rows)
-            for level in levels:
-                row = np.zeros(1, OBJECT)
-                row["grid"] = grids[id(level)]
-                row["detail"] = packed[id(level)].median_radius
-                row["coarser"] = len(objects) + len(rows) + 1
-                rows.append(row)
-            rows[-1]["coarser"] = 0
-        objects[index]["coarser"] = first[key]
-    return np.concatenate([objects, *rows]) if rows else objects
-
-
-def _instances(
-    bodies: Sequence[Body], center: NDArray, packed: dict[int, PackedGeometry]
-) -> tuple[NDArray, NDArray[np.float32]]:
-    """The instance table, and bounding spheres (k, 4) in scene space, in body order."""
-    count = sum(len(body.positions) for body in bodies)
-    tables, spheres = np.zeros(count, INSTANCE), np.empty((count, 4), np.float32)
-    first = 0
-    for index, body in enumerate(bodies):
-        p = packed[id(body.geometry)]
-        rows = slice(first, first + len(body.positions))
-        first = rows.stop
-        table = tables[rows]
-        table["rotation"] = body.rotations
-        table["center"] = body.positions + turned(body.rotations, p.middle) - center
-        table["object"] = index
-        spheres[rows, :3] = table["center"]
-        spheres[rows, 3] = p.radius if len(p.primitives) else 0
-    return tables, spheres
-
-
 def _clusters(
-    bodies: Sequence[Body], packed: dict[int, PackedGeometry]
+    bodies: Sequence[Body], packed: dict[int, PackedGeometry], placement: Placement
 ) -> tuple[NDArray[np.float32], tuple[tuple[int, int, int, int], ...]]:
     """Bounding spheres of all geometries' clusters, and where each body finds its own."""
     firsts: dict[int, int] = {}
     tables, total = [np.zeros((1, 4), np.float32)], 1
-    runs, instance = [], 0
-    for body in bodies:
+    runs = []
+    for index, body in enumerate(bodies):
         key = id(body.geometry)
         clusters = packed[key].clusters
         if key not in firsts:
             firsts[key] = total
             tables.append(clusters)
             total += len(clusters)
-        if len(clusters) and len(body.positions):
-            runs.append((instance, len(body.positions), firsts[key], len(clusters)))
-        instance += len(body.positions)
+        if len(clusters) and len(body.positions) and body.frames is None:
+            runs.append((placement.rows[index], len(body.positions), firsts[key], len(clusters)))
     return np.concatenate(tables), tuple(runs)
 
 
-def _objects(bodies: Sequence[Body], packed: dict[int, PackedGeometry], plan: GridPlan) -> NDArray:
-    """The object table, one row at least."""
-    objects = np.zeros(max(1, len(bodies)), OBJECT)
-    for index, body in enumerate(bodies):
-        key = id(body.geometry)
-        objects[index] = _object(body, packed[key], plan.grids[plan.grid_of[key]])
-        objects[index]["radius"] += plan.reach[key]
-    grids = {key: plan.grids[number] for key, number in plan.grid_of.items()}
-    return _with_levels(objects, bodies, packed, grids)
-
-
-def _object(body: Body, p: PackedGeometry, grid: Any) -> tuple:
-    m = body.material
-    return (
-        grid,
-        p.radius,
-        (0 if body.clipped else UNCLIPPED)
-        | (0 if body.closed else OPEN)
-        | (round(255 * m.opacity) << OPACITY_SHIFT),
-        0,
-        p.median_radius,
-        m.diffuse,
-        m.specular,
-        m.shininess,
-        m.opacity,
-        m.roughness,
-        m.ior,
-        MATERIAL_KINDS.index(m.kind),
-        0,
-    )
+def _runs(rows: NDArray[np.int64]) -> tuple[tuple[int, int], ...]:
+    """Ascending rows as runs (first, number) without gaps."""
+    starts = np.flatnonzero(np.diff(rows, prepend=-2) != 1)
+    lengths = np.diff(np.append(starts, len(rows)))
+    return tuple((int(rows[s]), int(n)) for s, n in zip(starts, lengths, strict=True))

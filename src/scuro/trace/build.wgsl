@@ -7,6 +7,8 @@
 struct Build {
     primitives: u32,
     cells: u32,
+    // grids before this are over instances
+    over: u32,
     // first primitive or cell of this dispatch: one dispatch is limited to 65535 workgroups
     first: u32,
     // radii r of solids count as factor r + margin; triangles are not solid
@@ -42,7 +44,7 @@ struct Extent {
 
 fn extent_of(item: vec2u) -> Extent {
     var e: Extent;
-    if (item.y == 0u) {
+    if (item.y < build.over) {
         let sphere = bounds[item.x];
         e.a = sphere.xyz;
         e.b = e.a;

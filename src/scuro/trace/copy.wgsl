@@ -8,7 +8,7 @@ struct Copying {
     cells: u32,
     // cells and entries
     total: u32,
-    // entries before this are instances, of the grid over them
+    // entries before this are instances, of grids over them
     top: u32,
 }
 

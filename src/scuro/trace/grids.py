@@ -1,4 +1,4 @@
-"""The uniform grids of a scene: one over each geometry's primitives, one over instances.
+"""The uniform grids of a scene: over each geometry's primitives, over instances and assemblies.
 
 All are built together on the GPU (a counting sort in three kernels, see ``build.wgsl``); only the
 prefix sum between them is numpy's.
@@ -17,6 +17,7 @@ from scuro.gpu import Gpu
 from scuro.scene.geometry import Body
 from scuro.trace.clear import clear_directions
 from scuro.trace.pack import PackedGeometry
+from scuro.trace.placement import Placement
 from scuro.trace.table import empty_table, padded_bytes, table_from_buffer
 
 GRID = np.dtype(
@@ -47,7 +48,9 @@ class GridPlan:
     """Where all grids of a scene lie and what is sorted into them."""
 
     grids: NDArray
-    """GRID records: that over instances first, then one a geometry."""
+    """GRID records: over instances (the scene's, the assemblies'), then one a geometry."""
+    over: int
+    """How many of them are over instances."""
     grid_of: dict[int, int]
     """By ``id(geometry)``: its grid."""
     first_slots: dict[int, int]
@@ -64,21 +67,29 @@ class GridPlan:
 def plan_grids(
     bodies: Sequence[Body],
     packed: dict[int, PackedGeometry],
+    placement: Placement,
     center: NDArray,
     growth: Growth = Growth(),
 ) -> GridPlan:
     """Lay out the grids of bodies whose geometries are packed, around a scene's centre."""
-    grids = np.zeros(1 + len(packed), GRID)
+    over = len(placement.listed)
+    grids = np.zeros(over + len(packed), GRID)
     grid_of: dict[int, int] = {}
     first_slots: dict[int, int] = {}
     reach = {key: growth.reach(p) for key, p in packed.items()}
     for geometry in (body.geometry for body in bodies):
         reach[id(geometry)] = max(reach[id(g)] for g in (geometry, *geometry.levels))
-    grids[0], cells = _top_grid(bodies, center, max(reach.values(), default=0.0))
-    count = sum(len(body.positions) for body in bodies)
-    items: list[NDArray] = [np.stack([np.arange(count), np.zeros(count)], 1)]
+    margin = max(reach.values(), default=0.0)
+    cells = 0
+    items: list[NDArray] = []
+    for number, listed in enumerate(placement.listed):
+        boxes, radii, counts = _contents(bodies, placement, center, number)
+        grids[number] = _grid_over(boxes, radii, counts, margin)
+        grids[number]["cells"] = cells
+        cells += int(np.prod(grids[number]["dims"], dtype=np.int64))
+        items.append(np.stack([listed, np.full(len(listed), number)], 1))
     slots = 0
-    for number, (key, p) in enumerate(packed.items(), start=1):
+    for number, (key, p) in enumerate(packed.items(), start=over):
         first_slots[key], grid_of[key] = slots, number
         border = int(np.ceil(reach[key] / p.cell))
         dims = p.dims + 2 * border
@@ -90,27 +101,42 @@ def plan_grids(
         slots += len(p.slots)
         cells += int(np.prod(dims, dtype=np.int64))
     sorted_items = joined(items, (0, 2), np.uint32)
-    return GridPlan(grids, grid_of, first_slots, sorted_items, cells, growth, reach)
+    return GridPlan(grids, over, grid_of, first_slots, sorted_items, cells, growth, reach)
 
 
-def _top_grid(bodies: Sequence[Body], center: NDArray, margin: float) -> tuple[Any, int]:
-    """The grid over instances: cells about as large as a typical instance."""
-    boxes = [b.bounds for b in bodies if len(b.positions) and len(b.geometry)]
-    count = sum(len(b.positions) for b in bodies)
+def _contents(
+    bodies: Sequence[Body], placement: Placement, center: NDArray, number: int
+) -> tuple[list[NDArray], list[float], list[int]]:
+    """What a grid over instances holds: boxes in its space; radii, and how often each occurs."""
+    if number:
+        assembly = placement.assemblies[number - 1]
+        inside = [bodies[i] for i in assembly.bodies if len(bodies[i].geometry)]
+        boxes = [b.own_bounds - assembly.middle for b in inside]
+        return boxes, [b.radius for b in inside], [len(b.positions) for b in inside]
+    shown = [b for b in bodies if b.instances and len(b.geometry)]
+    single = [b for b in shown if b.frames is None]
+    radii = [b.radius for b in single] + [a.radius for a in placement.assemblies]
+    counts = [len(b.positions) for b in single]
+    counts += [len(a.frames.positions) for a in placement.assemblies]
+    return [b.bounds - center for b in shown], radii, counts
+
+
+def _grid_over(
+    boxes: list[NDArray], radii: Sequence[float], counts: Sequence[int], margin: float
+) -> tuple[Any, ...]:
+    """A grid over instances: cells about as large as a typical one."""
     if not boxes:
-        return (np.zeros(3), 1.0, np.ones(3), 0), 1
-    radii = [b.radius for b in bodies if len(b.positions)]
-    typical = weighted_median(radii, [len(b.positions) for b in bodies if len(b.positions)])
+        return np.zeros(3), 1.0, np.ones(3), 0
+    typical = weighted_median(radii, counts)
     # bounding spheres may reach beyond the boxes, but nothing in them does
     border = margin + 1e-3 * typical
-    low = np.min([b[0] for b in boxes], 0) - center - border
-    high = np.max([b[1] for b in boxes], 0) - center + border
+    low = np.min([b[0] for b in boxes], 0) - border
+    high = np.max([b[1] for b in boxes], 0) + border
     size = high - low
     cell = max(
-        2 * typical, float(np.cbrt(np.prod(size) / (4 * count + 8))), float(size.max()) / 512
+        2 * typical, float(np.cbrt(np.prod(size) / (4 * sum(counts) + 8))), float(size.max()) / 512
     )
-    dims = np.maximum(np.ceil(size / cell), 1)
-    return (low, cell, dims, 0), int(np.prod(dims))
+    return low, cell, np.maximum(np.ceil(size / cell), 1), 0
 
 
 def build_grids(
@@ -143,6 +169,7 @@ def build_grids(
         for first in range(0, threads, limit):
             build = {
                 "primitives": len(items),
+                "over": plan.over,
                 "cells": cell_count,
                 "first": first,
                 "factor": plan.growth.factor,
@@ -166,7 +193,9 @@ def build_grids(
     recorder.submit()
     run("fill", len(items))
     run("finish", cell_count)
-    top = cell_count + int(ends[int(np.prod(plan.grids[0]["dims"], dtype=np.int64)) - 1])
+    # entries before this are instances
+    geometry_cells = plan.grids["cells"][plan.over] if plan.over < len(plan.grids) else cell_count
+    top = cell_count + int(ends[int(geometry_cells) - 1])
     clear = gpu.buffer(_clear_directions(plan, lengths == 0), label="clear directions")
     walked = empty_table(gpu, total, "rgba32uint", "grid entries")
     for first in range(0, total, 65535 * 64):

@@ -91,13 +91,13 @@ def placed_bodies(scene: Scene) -> Iterator[tuple[Any, int, Body, int]]:
     for item, bodies in [*groups, (None, scene.extra_bodies)]:
         for part, body in enumerate(bodies):
             yield item, part, body, first
-            first += len(body.positions)
+            first += body.instances
 
 
 def instance_number(scene: Scene, found: Pick) -> int | None:
     """Number in the scene of the instance that was picked; ``None`` if it is gone."""
     for item, part, body, first in placed_bodies(scene):
-        if item is found.item and part == found.part and found.instance < len(body.positions):
+        if item is found.item and part == found.part and found.instance < body.instances:
             return first + found.instance
     return None
 
@@ -105,7 +105,7 @@ def instance_number(scene: Scene, found: Pick) -> int | None:
 def sentence(found: Pick) -> str:
     """One line: the atom, its residue, chain and molecule; or the place in a model's tree."""
     molecule = found.molecule
-    copy = f" · copy {found.instance + 1}" if len(found.body.positions) > 1 else ""
+    copy = f" · copy {found.instance + 1}" if found.body.instances > 1 else ""
     if molecule is not None:
         return f"{atom_name(molecule, found.element)}{copy} · {molecule.name}"
     if hasattr(found.item, "describe"):

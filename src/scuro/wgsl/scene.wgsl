@@ -8,6 +8,8 @@ override HAS_TOP_LEVEL: bool = true;
 override CLIPPED: bool = true;
 // Whether any object has coarser levels of detail.
 override HAS_LEVELS: bool = true;
+// Whether some instances are whole assemblies, placed by frames.
+override HAS_NESTING: bool = false;
 
 //#include "scene_types.wgsl"
 
@@ -22,6 +24,10 @@ struct Instance {
 const UNCLIPPED: u32 = 1u;
 // a surface without inside: nothing to cap
 const OPEN: u32 = 2u;
+// an assembly: its grid lists instances
+const NESTED: u32 = 4u;
+
+const NO_FRAME: u32 = 0xffffffffu;
 
 // What tracing needs of an object.
 struct Traced {
@@ -59,7 +65,6 @@ struct Scene {
     plane_count: u32,
     // whether some object is not clipped
     spared: u32,
-    instance_count: u32,
     // half the diagonal of the box around everything
     extent: f32,
     // median primitive radius: the scale of occlusion, penumbras and offsets
@@ -82,7 +87,7 @@ struct Scene {
 // OBJECT_TEXELS an object
 @group(1) @binding(5) var objects: texture_2d<u32>;
 
-const OBJECT_TEXELS: u32 = 5u;
+const OBJECT_TEXELS: u32 = 6u;
 
 fn slot_at(index: u32) -> vec4f {
     return textureLoad(slots, table_place(index), 0);
@@ -127,4 +132,64 @@ fn conjugate(q: vec4f) -> vec4f {
 
 fn rotate(q: vec4f, v: vec3f) -> vec3f {
     return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
+}
+
+// A point of the scene as an instance sees it.
+fn in_frame(instance: Instance, p: vec3f) -> vec3f {
+    return rotate(conjugate(instance.rotation), p - instance.center);
+}
+
+// An instance in the scene, through the frame of its assembly if it is in one.
+fn placed(index: u32, frame: u32) -> Instance {
+    let inner = instance_at(index);
+    if (!HAS_NESTING || frame == NO_FRAME) {
+        return inner;
+    }
+    let outer = instance_at(frame);
+    let center = outer.center + rotate(outer.rotation, inner.center);
+    return Instance(multiplied(outer.rotation, inner.rotation), center, inner.object);
+}
+
+// How instances are numbered: object by object, and within it frame by frame.
+struct Numbering {
+    // number and row of its first instance
+    number: u32,
+    row: u32,
+    // its instances in a frame, and the row of its first frame or NO_FRAME
+    copies: u32,
+    frame: u32,
+}
+
+fn numbering_of(object: u32) -> Numbering {
+    let e = textureLoad(objects, table_place(OBJECT_TEXELS * object + 5u), 0);
+    return Numbering(e.x, e.y, e.z, e.w);
+}
+
+// The number by which the G-buffer knows an instance.
+fn leaf_number(index: u32, frame: u32, object: u32) -> u32 {
+    if (!HAS_NESTING) {
+        return index;
+    }
+    let numbers = numbering_of(object);
+    let before = select((frame - numbers.frame) * numbers.copies, 0u, frame == NO_FRAME);
+    return numbers.number + before + index - numbers.row;
+}
+
+// The instance of an object that has a number.
+fn numbered(number: u32, object: u32) -> Instance {
+    if (!HAS_NESTING) {
+        return instance_at(number);
+    }
+    let numbers = numbering_of(object);
+    let n = number - numbers.number;
+    let frame = numbers.frame + n / max(numbers.copies, 1u);
+    return placed(
+        numbers.row + n % max(numbers.copies, 1u),
+        select(frame, NO_FRAME, numbers.frame == NO_FRAME),
+    );
+}
+
+// The rotation b, then a.
+fn multiplied(a: vec4f, b: vec4f) -> vec4f {
+    return vec4f(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
 }

@@ -27,7 +27,7 @@ fn attribute_color(packed: vec4u) -> vec3f {
 
 // `hit` tells primitive, instance and cap; t is solved again in the instance's own frame.
 fn surface_at(ray: Ray, hit: Hit) -> Surface {
-    let instance = instance_at(hit.instance);
+    let instance = placed(hit.instance, hit.frame);
     let inverse = conjugate(instance.rotation);
     let local = Ray(rotate(inverse, ray.origin - instance.center), rotate(inverse, ray.direction));
     let slot = slot_of(hit.primitive);
@@ -96,7 +96,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
     }
     out.color = color;
     out.element = attribute_at(which).x;
-    out.instance = hit.instance;
+    out.instance = leaf_number(hit.instance, hit.frame, instance.object);
     out.object = instance.object;
     return out;
 }

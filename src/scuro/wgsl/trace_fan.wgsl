@@ -108,7 +108,7 @@ fn any_begin(fan: Fan, direction: vec3f, t_max: f32) -> Pending {
         query.ended = true;
         return query;
     }
-    query.kept = Kept(-NOTHING, NOTHING, 0u);
+    query.kept = ALL_KEPT;
     if (LOCAL) {
         var walk = walk_from(scene.top, query.ray, fan.cell, t_max);
         if (FIRST_CELL_AT_ONCE) {

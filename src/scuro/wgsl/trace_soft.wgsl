@@ -64,47 +64,50 @@ fn least_in_geometry(view: Local, t_max: f32, penumbra: Penumbra, least: f32) ->
     return found;
 }
 
+// The same for an assembly.
+fn least_in_assembly(
+    outer: Local, frame: u32, t_max: f32, penumbra: Penumbra, kept: Kept, least: f32,
+) -> f32 {
+    let eye = in_frame(instance_at(frame), scene.eye);
+    var search = search_start(outer.grid, outer.ray, 0.0, t_max, kept);
+    var found = least;
+    frame_at_hand = frame;
+    loop {
+        let index = next_instance(&search, outer.grid.cell, outer.ray, 0.0, t_max);
+        if (index == NO_INSTANCE || found <= 0.0) {
+            break;
+        }
+        let local = local_view(outer.ray, eye, index, 0.0, t_max, kept);
+        if (local.near) {
+            found = least_in_geometry(local, t_max, penumbra, found);
+        }
+    }
+    frame_at_hand = NO_FRAME;
+    return found;
+}
+
 // The part of the light that arrives along a ray: 1 = all.
 fn trace_soft(ray: Ray, t_max: f32, penumbra: Penumbra) -> f32 {
-    var kept = Kept(-NOTHING, NOTHING, 0u);
-    if (CLIPPED) {
-        kept = kept_interval(ray);
-    }
+    let kept = kept_interval(ray);
     var least = 1.0;
     if (!HAS_TOP_LEVEL) {
         least = least_in_geometry(only_view(ray, kept), t_max, penumbra, 1.0);
         return smoothstep(0.0, 1.0, least);
     }
-    let bounds = around(kept);
-    var walk = walk_start(scene.top, ray, max(0.0, bounds.near), min(t_max, bounds.far));
-    var seen = vec2u(NO_PRIMITIVE);
+    var search = search_start(scene.top, ray, 0.0, t_max, kept);
     loop {
-        if (walk.t_end < -1.0e38) {
+        let index = next_instance(&search, scene.top.cell, ray, 0.0, t_max);
+        if (index == NO_INSTANCE || least <= 0.0) {
             break;
         }
-        var index = next_entries(&walk);
-        if (index == EMPTY_CELL) {
-            break;
-        }
-        loop {
-            let reference = ref_at(index);
-            let instance = reference & ~LAST_OF_CELL;
-            if (instance != seen.x && instance != seen.y) {
-                let local = local_view(ray, instance, 0.0, t_max, kept);
-                if (local.near) {
-                    least = least_in_geometry(local, t_max, penumbra, least);
-                }
-                seen = vec2u(seen.y, instance);
-            }
-            index += 1u;
-            if (least <= 0.0 || (reference & LAST_OF_CELL) != 0u) {
-                break;
+        let local = local_view(ray, scene.eye, index, 0.0, t_max, kept);
+        if (local.near) {
+            if (HAS_NESTING && local.nested) {
+                least = least_in_assembly(local, index, t_max, penumbra, kept, least);
+            } else {
+                least = least_in_geometry(local, t_max, penumbra, least);
             }
         }
-        if (least <= 0.0 || walk_exit(walk) >= walk.t_end) {
-            break;
-        }
-        walk_on(&walk);
     }
     return smoothstep(0.0, 1.0, least);
 }

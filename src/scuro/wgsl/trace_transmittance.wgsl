@@ -31,7 +31,7 @@ fn trace_films(ray: Ray, t_min: f32, t_max: f32) -> f32 {
             break;
         }
         left *= 1.0 - opacity_of(traced_object(instance_at(hit.instance).object).flags);
-        ray_passed = hit.instance;
+        ray_passed = hit_number(hit);
         from_t = hit.t;
     }
     ray_passed = NO_PRIMITIVE;

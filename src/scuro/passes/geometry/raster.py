@@ -11,7 +11,7 @@ _SHADER = "passes/geometry/raster.wgsl"
 
 def rasterise(frame: Frame) -> None:
     """Draw spheres, rods and triangles into ``visible``."""
-    visible = frame.target("visible", "rg32uint", attachment=True)
+    visible = frame.target("visible", "rgba32uint", attachment=True)
     depth = frame.targets.get("depth", frame.size, "depth32float", attachment=True)
     near, far = _depth_range(frame)
     clear = True
@@ -37,7 +37,7 @@ def rasterise(frame: Frame) -> None:
             depth=depth,
             clear=clear,
             # every bit set says that no primitive is there
-            clear_value=(0xFFFFFFFF, 0xFFFFFFFF, 0, 0),
+            clear_value=(0xFFFFFFFF, 0xFFFFFFFF, 0xFFFFFFFF, 0),
             entries=entries,
             constants=frame.constants,
             topology="triangle-list" if stride == 3 else "triangle-strip",

@@ -27,7 +27,7 @@ struct Fragment {
 }
 
 struct Output {
-    @location(0) visible: vec2u,
+    @location(0) visible: vec4u,
     @builtin(frag_depth) depth: f32,
 }
 
@@ -135,7 +135,7 @@ fn solid(in: Fragment) -> Output {
     let instance = instance_at(in.instance);
     let inverse = conjugate(instance.rotation);
     let local = Ray(rotate(inverse, ray.origin - instance.center), rotate(inverse, ray.direction));
-    var kept = Kept(-NOTHING, NOTHING, 0u);
+    var kept = ALL_KEPT;
     if (CLIPPED && (traced_object(instance.object).flags & UNCLIPPED) == 0u) {
         kept = kept_interval(ray);
         if (kept.near >= kept.far) {
@@ -177,5 +177,5 @@ fn flat_triangle(in: Fragment) -> Output {
             discard;
         }
     }
-    return Output(vec2u(in.primitive, in.instance), stored_depth(t, in.position.xy));
+    return Output(vec4u(in.primitive, in.instance, NO_FRAME, 0u), stored_depth(t, in.position.xy));
 }

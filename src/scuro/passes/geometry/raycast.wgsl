@@ -5,7 +5,7 @@
 //#include "trace.wgsl"
 //#include "visible.wgsl"
 
-@group(2) @binding(0) var visible: texture_storage_2d<rg32uint, write>;
+@group(2) @binding(0) var visible: texture_storage_2d<rgba32uint, write>;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
@@ -16,5 +16,5 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     }
     let ray = scene_ray(vec2f(id) + 0.5);
     let hit = trace_nearest(ray, 0.0, NOTHING);
-    textureStore(visible, id, vec4u(pack_visible(hit), 0u, 0u));
+    textureStore(visible, id, pack_visible(hit));
 }

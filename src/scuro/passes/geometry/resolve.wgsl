@@ -21,7 +21,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     if (any(id >= size)) {
         return;
     }
-    let texel = textureLoad(visible, id, 0).xy;
+    let texel = textureLoad(visible, id, 0);
     if (texel.x == NO_PRIMITIVE) {
         textureStore(surface, id, vec4f(0.0));
         textureStore(albedo, id, vec4f(0.0));

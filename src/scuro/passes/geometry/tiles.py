@@ -60,6 +60,10 @@ def find_tiles(frame: Frame, margin: float = 0.0, name: str = "tile") -> None:
                 first_instance=first_instance,
                 count=copies * clusters,
             )
-    elif accelerator.instances:
-        run("mark", accelerator.instances, count=accelerator.instances)
+        whole: tuple[tuple[int, int], ...] = (accelerator.frame_run,)
+    else:
+        whole = accelerator.whole_runs
+    for first, count in whole:
+        if count:
+            run("mark", count, first_instance=first, count=count)
     run("gather", width * height)

@@ -22,7 +22,7 @@ def draw_visibility(frame: Frame) -> None:
     if _way(frame) == "raster":
         rasterise(frame)
     else:
-        frame.target("visible", "rg32uint", attachment=True)
+        frame.target("visible", "rgba32uint", attachment=True)
         frame.compute_tiles("passes/geometry/raycast.wgsl")
     frame.target("surface", "rgba32float", clear=(0, 0, 0, 0))
     frame.target("albedo", "rgba16float", clear=(0, 0, 0, 0))
@@ -34,6 +34,8 @@ def _way(frame: Frame) -> str:
     way = frame.settings.visibility
     if frame.constants["HAS_OPACITY"]:
         return "raycast"  # transparent objects are left out, ray by ray
+    if frame.constants["HAS_NESTING"]:
+        return "raycast"  # what is placed twice over would be drawn piece by piece
     if frame.constants["CLIPPED"] and frame.constants["HAS_TRIANGLES"]:
         return "raycast"  # whether a pixel shows the cap of a mesh takes all of the mesh to know
     return "raycast" if way == "auto" else way

@@ -92,7 +92,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         textureStore(result, pixel, vec4f(1.0));
         return;
     }
-    let instance = instance_at(id.y);
+    let instance = numbered(id.y, id.z);
     let inverse = conjugate(instance.rotation);
     let p = rotate(inverse, scene_position(vec2f(pixel) + 0.5, texel.w) - instance.center);
     let n = rotate(inverse, texel.xyz);

@@ -19,6 +19,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from scuro.errors import SettingsError
 from scuro.passes.frame import Frame
 from scuro.passes.occlusion.analytic import neighbour_table
 from scuro.passes.occlusion.ray import fibonacci_sphere
@@ -70,6 +71,11 @@ class Atlas:
 
 def draw(frame: Frame) -> None:
     """Fill ``visibility``, baking first if geometry, clipping or settings changed."""
+    if frame.constants["HAS_NESTING"]:
+        raise SettingsError(
+            "baked occlusion is per instance and knows no assemblies that are placed as a whole: "
+            "use --occlusion ray"
+        )
     atlas = _kept(frame)
     if atlas is None:
         atlas = _keep(frame, bake(frame))

@@ -28,7 +28,7 @@ def depth_range(frame: Frame) -> tuple[float, float]:
 
 
 def _measured(camera: Camera, bodies: tuple[Body, ...]) -> tuple[float, float]:
-    exact = sum(len(b.geometry) * len(b.positions) for b in bodies) <= _EXACT_POINTS
+    exact = sum(len(b.geometry) * b.instances for b in bodies) <= _EXACT_POINTS
     points = np.concatenate([np.zeros((0, 4)), *(body_points(body, exact) for body in bodies)])
     if not len(points):
         return 0.0, 1.0

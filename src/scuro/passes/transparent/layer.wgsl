@@ -13,7 +13,7 @@ override LATER: bool = false;
 // of the layer before
 @group(2) @binding(1) var layer_surface: texture_2d<f32>;
 @group(2) @binding(2) var layer_visible: texture_2d<u32>;
-@group(2) @binding(3) var visible: texture_storage_2d<rg32uint, write>;
+@group(2) @binding(3) var visible: texture_storage_2d<rgba32uint, write>;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
@@ -30,8 +30,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         let before = textureLoad(layer_surface, id, 0).w;
         start = ray_distance(pixel, before);
         end = select(-1.0, end, before > 0.0);
-        ray_passed = unpack_visible(textureLoad(layer_visible, id, 0).xy, ray).instance;
+        ray_passed = hit_number(unpack_visible(textureLoad(layer_visible, id, 0), ray));
     }
     let hit = trace_nearest(ray, start, end);
-    textureStore(visible, id, vec4u(pack_visible(hit), 0u, 0u));
+    textureStore(visible, id, pack_visible(hit));
 }

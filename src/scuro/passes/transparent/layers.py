@@ -51,7 +51,7 @@ class Layers:
         front = frame.target("layers", "rgba16float", clear=(0, 0, 0, 0))
         before = {
             "layer_surface": frame.targets.get("no layer", (1, 1), "rgba32float"),
-            "layer_visible": frame.targets.get("no layer seen", (1, 1), "rg32uint"),
+            "layer_visible": frame.targets.get("no layer seen", (1, 1), "rgba32uint"),
         }
         drawn = frame.targets.frame
         for index, pool in enumerate(pools):
@@ -88,7 +88,7 @@ class Layers:
 
     def _see(self, frame: Frame, layer: Frame, before: dict, index: int) -> None:
         """Fill the layer's G-buffer."""
-        layer.target("visible", "rg32uint", attachment=True)
+        layer.target("visible", "rgba32uint", attachment=True)
         layer.compute_tiles(
             "passes/transparent/layer.wgsl",
             before | {"opaque_surface": frame.resources["surface"]},
