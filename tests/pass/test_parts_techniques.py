@@ -1,0 +1,47 @@
+"""A picture in parts is the one drawn at once, for techniques that look beyond a part."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+from scenes import draw, scene_of, spheres
+
+from scuro import Camera
+from scuro.passes import part
+
+WAYS = {
+    "ray and mapped shadows": {"occlusion__technique": "ray", "shadows__technique": "mapped"},
+    "hybrid and area shadows": {"occlusion__technique": "hybrid", "shadows__technique": "area"},
+    "baked and soft shadows": {"occlusion__technique": "baked", "shadows__technique": "soft"},
+    "analytic": {"occlusion__technique": "analytic", "shadows__technique": "hard"},
+    "few rays, smoothed": {
+        "occlusion__technique": "ray", "occlusion__samples": 2, "occlusion__resolution": "half",
+    },
+    "lines, halos, toon, fog": {
+        "borders__width": 3.0, "halos__width": 14.0, "toon__steps": 3, "fog__strength": 0.6,
+        "antialias__method": "fxaa", "dpi": 144,
+    },
+    "depth of field": {"depth_of_field__blur": 5.0, "borders__width": 1.5},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WAYS)
+def test_parts_are_the_whole(name, monkeypatch):
+    rng = np.random.default_rng(4)
+    rows = np.c_[rng.normal(size=(90, 3)) * [4, 3, 3], rng.uniform(0.6, 1.2, 90)]
+    scene = scene_of(spheres(*map(tuple, rows), color=(200, 120, 90, 255)))
+    camera = Camera((0, 0, 30), (0, 0, 0))
+    # neither side is a multiple of what parts are aligned to
+    changes = {"size": (413, 307), "lighting__preset": "full", **WAYS[name]}
+    whole = draw(scene, camera, **changes).pixels.astype(int)
+    split = part.split
+    monkeypatch.setattr(part, "fits", lambda *rest: False)
+    monkeypatch.setattr(
+        sys.modules["scuro.render"],
+        "split",
+        lambda size, **options: split(size, **{**options, "edge": 240}),
+    )
+    joined = draw(scene, camera, **changes).pixels.astype(int)
+    assert np.abs(whole - joined).max() <= 1
