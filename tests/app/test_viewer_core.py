@@ -123,8 +123,9 @@ def test_a_picture_drawn_in_slices_is_the_whole_one(view, renderer, technique):
     from scuro.viewer.drawing import Drawing
 
     settings = Settings(size=(120, 200)).replace(
-        lighting__preset="full", occlusion__technique=technique, occlusion__filter="atrous"
-    )
+        lighting__preset="full", occlusion__technique=technique, occlusion__filter="atrous",
+        occlusion__samples=1, occlusion__resolution="half",
+    )  # fmt: skip
     scene, camera = view.model.dressed(view.camera), view.camera
     drawing = Drawing(renderer.sibling(), lambda: 0.0, rate=1.0)
     *shares, drawn = drawing.draw(scene, camera, settings, slices=True)
