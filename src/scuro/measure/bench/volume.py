@@ -12,7 +12,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from scuro.image import Image
 from scuro.measure.bench import BenchOptions, median_seconds
 from scuro.measure.memory import peak_memory_mb
 from scuro.measure.metrics import delta_e
@@ -161,7 +163,7 @@ def _measure(
         truth = small.replace(volume__light="monte-carlo", volume__samples=_TRUTH_RAYS)
         start = time.perf_counter()
         picture = renderer.render(scene, camera, truth)
-        truths[kind] = picture.pixels, picture.buffer("volume_opacity") > 0.02
+        truths[kind] = _rgb(picture), picture.buffer("volume_opacity") > 0.02
         truths[f"{kind} seconds"] = (time.perf_counter() - start) * _TRUTH_SHARE**2
     pixels, mask = truths[kind]
     found = []
@@ -169,12 +171,17 @@ def _measure(
         fitted = small.replace(
             volume__occlusion__attenuation=alpha, volume__shadow__attenuation=alpha
         )
-        drawn = renderer.render(scene, camera, fitted).pixels
+        drawn = _rgb(renderer.render(scene, camera, fitted))
         found.append((delta_e(drawn, pixels, mask), alpha))
     error, alpha = min(found)
     row = _row(name, method, size, seconds, error, alpha)
     row["times faster than Monte Carlo"] = round(truths[f"{kind} seconds"] / seconds)
     return row
+
+
+def _rgb(image: Image) -> NDArray[np.float64]:
+    """sRGB (h, w, 3), 0 to 1."""
+    return image.pixels[..., :3] / 255.0
 
 
 def _row(
