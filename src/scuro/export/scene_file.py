@@ -25,6 +25,7 @@ from scuro.scene.clip import Clip, ClippingSettings, Cut
 from scuro.scene.lights import Light
 from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings
+from scuro.scene.volume import Volume
 from scuro.settings import SettingsGroup, checked, parameters, setting, subgroups, unknown
 from scuro.style.options import Representation
 
@@ -90,8 +91,18 @@ class SceneFile:
                     raise SettingsError(f"{line.path} has no biological assemblies")
                 scene.items[-1].assembly = line.assembly
         self.show_in(scene)
+        for item in scene.volumes:
+            item.seen = self._visible(item.volume)
         scene.clip = self.clipped(scene.bounds().mean(axis=0))
         return scene
+
+    def _visible(self, volume: Volume) -> NDArray:
+        from scuro.style.transfer_choose import choose_transfer
+        from scuro.style.volume_extent import visible_corners
+
+        given = self.settings.volume
+        transfer = choose_transfer(volume, given.transfer, given.opacity, given.window, given.level)
+        return visible_corners(volume, transfer, given.iso)
 
     def clipped(self, middle: NDArray) -> Clip:
         """The clipping planes, and those of the box, in a scene with this middle (3,)."""

@@ -131,6 +131,15 @@ class VolumeItem:
     volume: Volume
     shown: TransferFunction | None = None
     """Colour and opacity; those of the settings if None."""
+    seen: NDArray[np.float64] | None = None
+    """(8, 3) corners of the box in which it shows; all of it if None. Cameras are fitted to it."""
+
+    @property
+    def outline(self) -> NDArray[np.float64]:
+        """(8, 3) world corners of what is seen of it."""
+        if self.seen is not None:
+            return self.seen
+        return np.stack(np.meshgrid(*self.volume.bounds.T, indexing="ij"), -1).reshape(-1, 3)
 
 
 class Scene:

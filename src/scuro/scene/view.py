@@ -197,10 +197,9 @@ def scene_points(scene: Scene) -> NDArray[np.float64]:
     bodies = scene.bodies()
     exact = sum(len(b.geometry) * b.instances for b in bodies) <= _EXACT_POINTS
     found = [body_points(body, exact) for body in bodies]
-    boxes = [item.volume.bounds for item in scene.volumes]
-    found += [_bare(item.outline) for item in scene.reservoirs]
+    found += [_bare(item.outline) for item in (*scene.volumes, *scene.reservoirs)]
     others = [item for item in scene.items if item not in scene.reservoirs]
-    boxes += [item.bounds for item in others if hasattr(item, "bounds")]
+    boxes = [item.bounds for item in others if hasattr(item, "bounds")]
     found += [_corners(np.asarray(box)) for box in boxes]
     return np.concatenate(found) if found else np.zeros((0, 4))
 
