@@ -104,3 +104,14 @@ def test_the_results_page_has_every_table_beside_the_thesis(tmp_path):
     for number in ("Table 4.1", "Table 4.3", "Table 5.2", "Table 5.3", "Figure 4.9"):
         assert number in text
     assert "| 1AON, 58,870 | 38 | 50.1 |" in text and "| sample:1hpv, " in text
+
+
+def test_the_results_of_the_navigation_cube_hold_the_atoms_at_327(tmp_path, monkeypatch):
+    from scuro.measure.results import navigation
+    from scuro.measure.results.__main__ import main
+
+    monkeypatch.setattr(navigation, "_SIZES", (327, 2000))
+    page = tmp_path / "results.md"
+    main(["navigation", "-o", str(page), "--size", "48x36", "--frames", "1"])
+    text = page.read_text()
+    assert "| droplet, 2,000 | " in text and "| 3IYN, 99,595 | 0.38 | 0.06 | 19.2 | 6.55 |" in text

@@ -13,7 +13,7 @@ import importlib
 import pkgutil
 from types import ModuleType
 
-ORDER = ("molecules", "volumes", "volumes_error", "mesoscale", "reservoirs")
+ORDER = ("molecules", "navigation", "volumes", "volumes_error", "mesoscale", "reservoirs")
 """Topics as they stand on the page; others follow by name."""
 
 
