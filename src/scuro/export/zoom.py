@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip
-from scuro.scene.geometry import Body, Geometry, rotation_matrices, turned
+from scuro.scene.geometry import Body, Frames, Geometry, rotation_matrices, turned
 from scuro.scene.scene import Scene
 
 ATOMS_HIGH = 15.0
@@ -82,8 +82,9 @@ def landing_point(scene: Scene, camera: Camera) -> NDArray[np.float64]:
     spheres: list[tuple[float, float, Body, int]] = []
     closest, beside = np.inf, np.asarray(camera.target, np.float64)
     for body in scene.bodies():
-        if not len(body.geometry) or not len(body.positions):
+        if not len(body.geometry) or not body.instances:
             continue
+        body = _nearest_copy(body, eye, way)
         middle = body.geometry.bounds.astype(np.float64).mean(axis=0)
         centers = turned(body.rotations, middle) + body.positions - eye
         along = centers @ way
@@ -101,6 +102,20 @@ def landing_point(scene: Scene, camera: Camera) -> NDArray[np.float64]:
         origin = turn.T @ (eye - body.positions[index])
         best = min(best, _first_hit(body.geometry, origin, turn.T @ way, enters))
     return eye + best * way if np.isfinite(best) else beside
+
+
+def _nearest_copy(body: Body, eye: NDArray, way: NDArray) -> Body:
+    """A body of an assembly, standing where the copy nearest to the ray stands."""
+    frames = body.frames
+    if frames is None:
+        return body
+    centers = turned(frames.rotations, body.own_bounds.mean(axis=0)) + frames.positions - eye
+    off = np.linalg.norm(centers - (centers @ way)[:, None] * way, axis=1)
+    one = slice(int(off.argmin()), int(off.argmin()) + 1)
+    placed = Frames(frames.rotations[one], frames.positions[one]).placing(
+        Frames(body.rotations, body.positions)
+    )
+    return replace(body, rotations=placed.rotations, positions=placed.positions, frames=None)
 
 
 def _kept_from(clip: Clip, eye: NDArray, way: NDArray) -> float:

@@ -36,16 +36,17 @@ from scuro.errors import LoadError, SaveError
 from scuro.load.mesoscale_structures import StructureLibrary, finite_places, unit_quaternions
 from scuro.load.options import LoadOptions
 from scuro.load.source import Source, open_source
-from scuro.scene.geometry import quaternions as quaternions_of
-from scuro.scene.geometry import rotation_matrices
+from scuro.scene.geometry import Frames
 from scuro.scene.model import Ingredient, MesoscaleModel, Part, Structure
 
 TABLES = (".csv", ".tsv", ".meso")
 NEEDED = ("ingredient", "x", "y", "z")
 TURN = ("qx", "qy", "qz", "qw")
 KNOWN = (*NEEDED, "compartment", "structure", *TURN)
-MOST_INSTANCES = 50_000_000
-"""Nested tables are placed instance by instance; more than this would not fit into memory."""
+MOST_SINGLE = 100_000
+"""Instances up to which a nested table is placed instance by instance."""
+MOST_FRAMES = 50_000_000
+"""Places of a model within models; more would not fit into memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,23 +109,38 @@ def _nested(
     rotations: NDArray[np.float32],
     positions: NDArray[np.float64],
 ) -> Iterator[Ingredient]:
-    """The ingredients of a model that is itself placed many times."""
-    if inner.instances * len(positions) > MOST_INSTANCES:
-        raise LoadError(
-            source.name,
-            f"'{path[-1]}' places {len(positions):,} copies of a model of {inner.instances:,} "
-            f"instances: more than {MOST_INSTANCES:,} do not fit into memory",
-        )
-    outer = rotation_matrices(rotations)
+    """The ingredients of a model that is itself placed many times.
+
+    Few instances are placed one by one, which traces fastest; many stay a model with its places.
+    """
+    outer = Frames(rotations, positions)
+    # one object for all ingredients of an assembly, at every depth: it is what tells them apart
+    composed: dict[int, Frames] = {}
+    few = inner.instances * len(outer) <= MOST_SINGLE
     for ingredient in inner.ingredients:
-        parts = []
-        for part in ingredient.parts:
-            turned = outer[:, None] @ rotation_matrices(part.rotations)[None]
-            moved = (outer @ part.positions.T).transpose(0, 2, 1) + positions[:, None]
-            parts.append(
-                Part(part.structure, quaternions_of(turned.reshape(-1, 3, 3)), moved.reshape(-1, 3))
+        placed = replace(ingredient, path=(*path, *ingredient.path[1:]))
+        if ingredient.frames is not None:
+            if len(ingredient.frames) * len(outer) > MOST_FRAMES:
+                raise LoadError(
+                    source.name,
+                    f"'{path[-1]}' places {len(outer):,} copies of what holds "
+                    f"{len(ingredient.frames):,} models: more than {MOST_FRAMES:,} do not fit "
+                    "into memory",
+                )
+            key = id(ingredient.frames)
+            if key not in composed:
+                composed[key] = outer.placing(ingredient.frames)
+            yield replace(placed, frames=composed[key])
+        elif few and not ingredient.curves:
+            singles = [
+                (part.structure, outer.placing(Frames(part.rotations, part.positions)))
+                for part in ingredient.parts
+            ]
+            yield replace(
+                placed, parts=tuple(Part(s, at.rotations, at.positions) for s, at in singles)
             )
-        yield replace(ingredient, path=(*path, *ingredient.path[1:]), parts=tuple(parts))
+        else:
+            yield replace(placed, frames=outer)
 
 
 def _read_text(source: Source) -> _Table:
@@ -221,6 +237,8 @@ def save_table(path: Path, model: MesoscaleModel) -> None:
     """
     if any(i.curves for i in model.ingredients):
         raise SaveError(path, "cannot hold the model's curves: tables have instances only")
+    if any(i.frames for i in model.ingredients):
+        raise SaveError(path, "cannot hold models within models: save each and name its table")
     kinds, which, positions, rotations = [], [], [], []
     spheres: dict[str, Structure] = {}
     for ingredient in model.ingredients:

@@ -118,6 +118,17 @@ class Frames:
                 f"but {len(self.positions)} positions"
             )
 
+    def __len__(self) -> int:
+        """Number of places."""
+        return len(self.positions)
+
+    def placing(self, inner: Frames) -> Frames:
+        """Every place of ``inner`` within every one of these, as (outer · inner) places."""
+        outer = rotation_matrices(self.rotations)
+        turns = outer[:, None] @ rotation_matrices(inner.rotations)[None]
+        moved = (outer @ inner.positions.T).transpose(0, 2, 1) + self.positions[:, None]
+        return Frames(quaternions(turns.reshape(-1, 3, 3)), moved.reshape(-1, 3))
+
 
 @dataclass(frozen=True, eq=False)
 class Body:
@@ -167,15 +178,15 @@ class Body:
         """(2, 3) world box around all instances (through their bounding boxes' corners)."""
         if self.frames is None:
             return self.own_bounds
-        return _placed_box(self.own_bounds, self.frames.rotations, self.frames.positions)
+        return placed_box(self.own_bounds, self.frames.rotations, self.frames.positions)
 
     @cached_property
     def own_bounds(self) -> NDArray[np.float64]:
         """The same in the space of its positions: the assembly's, if it belongs to one."""
-        return _placed_box(self.geometry.bounds, self.rotations, self.positions)
+        return placed_box(self.geometry.bounds, self.rotations, self.positions)
 
 
-def _placed_box(box: NDArray, rotations: NDArray, positions: NDArray) -> NDArray[np.float64]:
+def placed_box(box: NDArray, rotations: NDArray, positions: NDArray) -> NDArray[np.float64]:
     """(2, 3) box around rigidly placed copies of a box (2, 3), through its corners."""
     low, high = np.asarray(box, np.float64)
     if len(positions) == 0:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.scene.geometry import Body
+from scuro.scene.geometry import Body, Frames, placed_box
 from scuro.scene.lod import Level, levels_of_detail
 from scuro.scene.regions import Divided
 
@@ -116,6 +116,14 @@ class Ingredient:
     description: str = ""
     color: tuple[int, int, int] = DEFAULT_COLOR
     """sRGB."""
+    frames: Frames | None = None
+    """Where the model that this is a part of stands, if it is itself placed often: a virus in a
+    cell. Parts and curves are then in that model's own space."""
+
+    @property
+    def copies(self) -> int:
+        """How often the whole ingredient stands in the world."""
+        return 1 if self.frames is None else len(self.frames)
 
     @property
     def name(self) -> str:
@@ -124,17 +132,19 @@ class Ingredient:
     @property
     def instances(self) -> int:
         """Placed copies; every curve counts as one."""
-        return sum(map(len, self.parts)) + len(self.curves)
+        return self.copies * (sum(map(len, self.parts)) + len(self.curves))
 
     @property
     def chains(self) -> int:
         """Chains in view."""
-        return sum(len(part) * len(np.unique(part.structure.chain)) for part in self.parts)
+        return self.copies * sum(
+            len(part) * len(np.unique(part.structure.chain)) for part in self.parts
+        )
 
     @property
     def residues(self) -> int:
         """Residues in view; those of a structure are numbered without gaps."""
-        return sum(
+        return self.copies * sum(
             len(part) * (int(part.structure.residue.max()) + 1)
             for part in self.parts
             if len(part.structure)
@@ -143,7 +153,7 @@ class Ingredient:
     @property
     def atoms(self) -> int:
         """Atoms in view: stored atoms times copies."""
-        return sum(len(part) * len(part.structure) for part in self.parts)
+        return self.copies * sum(len(part) * len(part.structure) for part in self.parts)
 
 
 @dataclass
@@ -193,8 +203,9 @@ class MesoscaleModel:
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) box around the instances' origins and the curves' points, widened by each
         structure's reach."""
-        boxes = []
+        boxes: list[NDArray] = []
         for ingredient in self.ingredients:
+            first = len(boxes)
             for part in ingredient.parts:
                 if len(part) and len(part.structure):
                     spheres = part.structure.spheres
@@ -204,6 +215,10 @@ class MesoscaleModel:
             for curve in ingredient.curves:
                 boxes.append(curve.min(axis=0) - ingredient.curve_radius)
                 boxes.append(curve.max(axis=0) + ingredient.curve_radius)
+            if ingredient.frames is not None and len(boxes) > first:
+                own = np.stack([np.min(boxes[first:], axis=0), np.max(boxes[first:], axis=0)])
+                frames = ingredient.frames
+                boxes[first:] = list(placed_box(own, frames.rotations, frames.positions))
         if not boxes:
             return np.zeros((2, 3))
         return np.stack([np.min(boxes, axis=0), np.max(boxes, axis=0)])

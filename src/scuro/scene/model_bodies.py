@@ -41,14 +41,15 @@ def divided_bodies(model: MesoscaleModel) -> tuple[Divided, ...]:
             geometry, middle = _geometry(part.structure, ingredient.color)
             positions = part.positions + turned(part.rotations, middle)
             rotations = np.asarray(part.rotations, np.float32)
-            body = Body(geometry, rotations, positions, name, path, MATTE)
+            frames = ingredient.frames
+            body = Body(geometry, rotations, positions, name, path, MATTE, frames=frames)
             chains = Division("chain", part.structure.chain, part.structure.chain_names)
             made.append(Divided(body, (chains,), painted=True))
         for number, curve in enumerate(ingredient.curves):
             for start in range(0, max(len(curve) - 1, 1), PIECE):
                 piece = curve[start : start + PIECE + 1]
                 tube = _tube(piece, number, ingredient)
-                body = Body(tube, name=name, path=path, material=MATTE)
+                body = Body(tube, name=name, path=path, material=MATTE, frames=ingredient.frames)
                 made.append(Divided(body, fibre=True, painted=True))
     return tuple(made)
 
