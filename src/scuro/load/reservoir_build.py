@@ -113,7 +113,8 @@ def _map_axes(path: str, axes: NDArray | None, map_unit: str, unit: str) -> NDAr
         raise LoadError(path, "MAPAXES needs six finite numbers")
     points: NDArray[np.float64] = axes.reshape(3, 2)
     x, y = points[2] - points[1], points[0] - points[1]
-    if abs(x[0] * y[1] - x[1] * y[0]) < 1e-9 * max(1e-30, np.linalg.norm(x) * np.linalg.norm(y)):
+    lengths = float(np.linalg.norm(x) * np.linalg.norm(y))
+    if abs(x[0] * y[1] - x[1] * y[0]) < 1e-9 * max(1e-30, lengths):
         return None  # all zero in files that have no map
     scale: float = _METRES.get(map_unit.upper(), _METRES[unit]) / _METRES[unit]
     return np.asarray(axes * scale)

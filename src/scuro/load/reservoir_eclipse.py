@@ -59,7 +59,8 @@ def read_eclipse(source: Source, options: LoadOptions) -> CornerPointGrid:
     count = int(np.prod(geometry.dimensions))
     active_count = count if geometry.active is None else int(np.count_nonzero(geometry.active))
     # damage beside the grid takes nothing from the grid itself
-    system, statics = "", {}
+    system = ""
+    statics: dict[str, NDArray[np.float32]] = {}
     try:
         system, statics = _read_init(grid_source, count, active_count, geometry.active, notes)
     except LoadError as error:

@@ -120,7 +120,7 @@ class RecordFile:
             try:
                 entry = next(resfo.lazy_read(stream))
                 array = entry.read_array()
-            except (*_damages(resfo), StopIteration) as error:
+            except _damages(resfo) as error:
                 raise LoadError(
                     self.name, f"{record.keyword} is damaged ({_short(error)}); copy the file again"
                 ) from None
@@ -160,8 +160,11 @@ def _is_gzip(source: Source) -> bool:
 
 
 def _damages(resfo: Any) -> tuple[type[Exception], ...]:
-    """What reading raises on damaged records; offsets beyond the file are an OSError."""
-    return (resfo.ResfoParsingError, ValueError, KeyError, OSError)
+    """What reading raises on damaged records.
+
+    Offsets beyond the file are an OSError, no record at an offset a StopIteration.
+    """
+    return (resfo.ResfoParsingError, ValueError, KeyError, OSError, StopIteration)
 
 
 def _short(error: Exception) -> str:

@@ -197,7 +197,8 @@ def scene_points(scene: Scene) -> NDArray[np.float64]:
     bodies = scene.bodies()
     exact = sum(len(b.geometry) * b.instances for b in bodies) <= _EXACT_POINTS
     found = [body_points(body, exact) for body in bodies]
-    found += [_bare(item.outline) for item in (*scene.volumes, *scene.reservoirs)]
+    found += [_bare(volume.outline) for volume in scene.volumes]
+    found += [_bare(reservoir.outline) for reservoir in scene.reservoirs]
     others = [item for item in scene.items if item not in scene.reservoirs]
     boxes = [item.bounds for item in others if hasattr(item, "bounds")]
     found += [_corners(np.asarray(box)) for box in boxes]

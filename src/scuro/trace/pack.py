@@ -176,10 +176,10 @@ def morton(cells: NDArray[np.uint32]) -> NDArray[np.uint32]:
     code = np.zeros(len(cells), np.uint32)
     for axis in range(3):
         v = np.minimum(cells[:, axis], 1023).astype(np.uint32)
-        v = (v | (v << 16)) & np.uint32(0x030000FF)
-        v = (v | (v << 8)) & np.uint32(0x0300F00F)
-        v = (v | (v << 4)) & np.uint32(0x030C30C3)
-        v = (v | (v << 2)) & np.uint32(0x09249249)
+        v = (v | (v << np.uint32(16))) & np.uint32(0x030000FF)
+        v = (v | (v << np.uint32(8))) & np.uint32(0x0300F00F)
+        v = (v | (v << np.uint32(4))) & np.uint32(0x030C30C3)
+        v = (v | (v << np.uint32(2))) & np.uint32(0x09249249)
         code |= v << np.uint32(axis)
     return code
 

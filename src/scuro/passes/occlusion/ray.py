@@ -130,7 +130,8 @@ def fibonacci_sphere(count: int) -> NDArray[np.float64]:
 
 def _bit_reversed(values: NDArray) -> NDArray:
     """Of four bits."""
-    return sum(((values >> k) & 1) << (3 - k) for k in range(4))
+    bits = [((values >> k) & 1) << (3 - k) for k in range(4)]
+    return np.sum(bits, axis=0)
 
 
 def _rotation(frame: int, seed: int) -> NDArray[np.float64]:
