@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from scuro.export.scene_file import Input, SceneFile, Show, read_scene_file
-from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip, Cut
@@ -20,24 +19,6 @@ from scuro.viewer.refine import coarse, steps
 from scuro.viewer.view import REST, View
 
 SIZE = (160, 120)
-
-
-class Clock:
-    def __init__(self):
-        self.now = 100.0
-
-    def __call__(self):
-        return self.now
-
-
-@pytest.fixture(scope="module")
-def renderer():
-    return Renderer()
-
-
-@pytest.fixture
-def clock():
-    return Clock()
 
 
 @pytest.fixture

@@ -8,7 +8,6 @@ from scuro.export.png import read_settings
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.load.trajectory import LEAP, open_trajectory
 from scuro.probe.probe import ProbeSettings
-from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.clip import Cut
 from scuro.viewer.jobs import Jobs, in_thread
@@ -18,24 +17,6 @@ from scuro.viewer.view import REST, View
 
 SIZE = (120, 90)
 ATOM = "ATOM      1  CA  ALA A   1    {:8.3f}{:8.3f}{:8.3f}  1.00  0.00           C  \n"
-
-
-class Clock:
-    def __init__(self):
-        self.now = 100.0
-
-    def __call__(self):
-        return self.now
-
-
-@pytest.fixture(scope="module")
-def renderer():
-    return Renderer()
-
-
-@pytest.fixture
-def clock():
-    return Clock()
 
 
 @pytest.fixture
