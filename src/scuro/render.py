@@ -19,7 +19,7 @@ from scuro.passes.filter.temporal import History
 from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion, prepare_occlusion
-from scuro.passes.part import Part, split
+from scuro.passes.part import Part, screen_reach, split
 from scuro.passes.part import bands as split_bands
 from scuro.passes.post.antialias import FILTER_RADIUS, filter_down
 from scuro.passes.post.attention import draw_attention
@@ -55,16 +55,21 @@ class _Built:
 _OF_RAYS = ("ray", "hybrid", "analytic", "baked")
 _SMOOTHING = 32
 """Samples that the widest smoothing looks about: à-trous at half resolution."""
-_SCREEN_SPACE = 64
-"""Samples beyond a part that screen-space occlusion and filters may look at."""
+_CALM = 8
+"""Samples about which semantic shading smooths normals, and rounding."""
+_FILTERS = 64
+"""Samples beyond a part that filters may look at where occlusion is one of object space."""
 
 
-def _sight(settings: Settings) -> int:
-    """Samples beyond a part that its techniques may look at: smoothing, or all of screen space."""
-    technique = settings.occlusion.technique
-    if settings.semantic.mode != "off" or technique not in ("none", *_OF_RAYS):
-        return _SCREEN_SPACE
-    return min(_SCREEN_SPACE, max(2 * settings.occlusion.hybrid.reach + 8, _SMOOTHING))
+def _sight(settings: Settings, height: int) -> int:
+    """Samples beyond a part, of a picture so many high, that its techniques may look at."""
+    semantic = settings.semantic
+    if semantic.mode != "off":
+        blur = max(semantic.blur_occlusion, semantic.blur_bounce, semantic.blur_shadow)
+        return screen_reach(height) + blur + _CALM
+    if settings.occlusion.technique not in ("none", *_OF_RAYS):
+        return screen_reach(height) + _SMOOTHING
+    return min(_FILTERS, max(2 * settings.occlusion.hybrid.reach + 8, _SMOOTHING))
 
 
 class Renderer:
@@ -258,24 +263,26 @@ class Renderer:
         most that parts of a larger one shall keep.
         """
         settings = with_implied(settings)
-        screen = _SCREEN_SPACE / settings.antialias.scale
+        scale = settings.antialias.scale
+        size = eye_size(settings.stereo, settings.size)
+        sight = _sight(settings, size[1] * scale)
+        screen = max(sight, _FILTERS) / scale
         margin = (
             screen
             + cues_reach(settings, settings.px)
             + focus_reach(settings.depth_of_field, settings.px)
             + FILTER_RADIUS
         )
-        size = eye_size(settings.stereo, settings.size)
         parts = split(
             size,
-            scale=settings.antialias.scale,
+            scale=scale,
             margin=math.ceil(margin),
             max_texture=self.gpu.max_texture,
             rows=rows,
         )
         if bands > 1 and len(parts) == 1:
             # many thin bands: what looks less far about has narrower margins
-            margin += _sight(settings) / settings.antialias.scale - screen
+            margin += sight / scale - screen
             parts = split_bands(size, margin=math.ceil(margin), count=bands)
         if settings.stereo.mode != "side-by-side":
             return parts

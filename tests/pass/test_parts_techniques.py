@@ -27,14 +27,33 @@ WAYS = {
 }  # fmt: skip
 
 
+SCREEN = {
+    **{name: {"occlusion__technique": name} for name in ("ssao", "hbao", "gtao")},
+    "ssao at half resolution": {"occlusion__technique": "ssao", "occlusion__resolution": "half"},
+    **{f"semantic {mode}": {"semantic__mode": mode} for mode in ("screen", "plain")},
+}
+"""Techniques whose reach covers most of a close-up."""
+
+
+@pytest.mark.parametrize("name", SCREEN)
+@pytest.mark.parametrize("height", [None, 9.0], ids=["perspective", "orthographic"])
+def test_parts_of_a_close_up_are_the_whole(name, height, monkeypatch):
+    camera = Camera((0, 0, 13), (0, 0, 0), height=height)
+    assert _difference(camera, SCREEN[name], monkeypatch) <= 1
+
+
 @pytest.mark.parametrize("name", WAYS)
 def test_parts_are_the_whole(name, monkeypatch):
+    assert _difference(Camera((0, 0, 30), (0, 0, 0)), WAYS[name], monkeypatch) <= 1
+
+
+def _difference(camera, changes, monkeypatch):
+    """The largest one between the picture drawn at once and in parts, of 255."""
     rng = np.random.default_rng(4)
     rows = np.c_[rng.normal(size=(90, 3)) * [4, 3, 3], rng.uniform(0.6, 1.2, 90)]
     scene = scene_of(spheres(*map(tuple, rows), color=(200, 120, 90, 255)))
-    camera = Camera((0, 0, 30), (0, 0, 0))
     # neither side is a multiple of what parts are aligned to
-    changes = {"size": (413, 307), "lighting__preset": "full", **WAYS[name]}
+    changes = {"size": (413, 307), "lighting__preset": "full", **changes}
     whole = draw(scene, camera, **changes).pixels.astype(int)
     split = part.split
     monkeypatch.setattr(part, "fits", lambda *rest: False)
@@ -44,4 +63,4 @@ def test_parts_are_the_whole(name, monkeypatch):
         lambda size, **options: split(size, **{**options, "edge": 240}),
     )
     joined = draw(scene, camera, **changes).pixels.astype(int)
-    assert np.abs(whole - joined).max() <= 1
+    return np.abs(whole - joined).max()

@@ -95,6 +95,13 @@ class Frame:
         """Samples to a length of 1 px in the settings: see :attr:`Settings.px`."""
         return self.scale * self.settings.px
 
+    @property
+    def screen_reach(self) -> float:
+        """Samples that techniques of screen space look about: see :func:`part.screen_reach`."""
+        from scuro.passes.part import screen_reach  # which needs the tiles, and those this module
+
+        return float(screen_reach(int(self.resources["view"]["size"][1])))
+
     def target(
         self,
         name: str,

@@ -15,6 +15,18 @@ _MOST = TILE * math.isqrt(MAX_TILES)
 """Largest edge of a part in samples."""
 
 
+_SHARE = 1 / 4
+_LEAST, _FARTHEST = 64, 512
+
+
+def screen_reach(height: int) -> int:
+    """Samples that techniques of screen space look about, in a picture so many samples high.
+
+    A share of the height, so that sizes look alike, but bounded: it is the margin of parts.
+    """
+    return min(max(round(height * _SHARE), _LEAST), _FARTHEST)
+
+
 @dataclass(frozen=True)
 class Part:
     """A rectangle of the picture, in output pixels."""

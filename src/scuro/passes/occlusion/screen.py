@@ -2,7 +2,8 @@
 
 Cost does not depend on the scene. Nothing is known behind what the picture shows, nor beyond its
 edge unless a guard band is asked for, for which a wider G-buffer is drawn: both count as open.
-Pictures drawn in parts always have a guard band within the picture.
+Nothing is looked for beyond a share of the picture's height, which is also the margin of the parts
+of a large picture (:func:`scuro.passes.part.screen_reach`).
 """
 
 from __future__ import annotations
@@ -121,6 +122,7 @@ def _look(frame: Frame, kind: str, samples: int) -> None:
                 "bias": screen.bias * frame.accelerator.primitive_radius,
                 "angle_bias": math.sin(math.radians(screen.angle_bias)),
                 "offset": index % 4,
+                "limit": frame.screen_reach,
             },
             "directions": direction_table(frame, samples, index),
             "result": frame.target(

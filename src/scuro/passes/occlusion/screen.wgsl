@@ -7,6 +7,7 @@
 // Nothing is known beyond the picture and behind what is seen: both count as open.
 
 //#include "view.wgsl"
+//#include "reach.wgsl"
 //#include "tiles.wgsl"
 //#include "scene.wgsl"
 //#include "sampling.wgsl"
@@ -22,6 +23,8 @@ struct Screen {
     angle_bias: f32,
     // which pixel of each 2 x 2 block stands for it, at half resolution
     offset: u32,
+    // how far is looked in the picture, pixels
+    limit: f32,
 }
 
 @group(2) @binding(0) var<uniform> screen: Screen;
@@ -54,13 +57,14 @@ fn depth_at(pixel: vec2f) -> f32 {
 
 fn ssao(p: Point) -> f32 {
     var blocked = 0.0;
+    let radius = radius_within(screen.radius, p.position, screen.limit);
     for (var i = 0u; i < screen.samples; i += 1u) {
         let index = p.class_index * screen.samples + i;
         let around = textureLoad(directions, table_place(index), 0).xyz;
         let direction = cosine_direction(p.normal, (view.view_from_scene * vec4f(around, 0.0)).xyz);
         // more points near by, where occluders block most
         let share = (f32(i) + 0.5) / f32(screen.samples);
-        let reach = screen.radius * mix(0.05, 1.0, share * share);
+        let reach = radius * mix(0.05, 1.0, share * share);
         let there = pixel_from_view(p.position + reach * direction);
         let depth = depth_at(there.xy);
         let gap = there.z - depth;
@@ -106,7 +110,7 @@ fn horizons(p: Point) -> f32 {
         to_eye = vec3f(0.0, 0.0, 1.0);
     }
     let steps = max(1u, screen.samples / (2u * screen.lines));
-    let reach = screen.radius / pixel_width(-p.position.z);
+    let reach = min(screen.radius / pixel_width(-p.position.z), screen.limit);
     var sum = 0.0;
     for (var i = 0u; i < screen.lines; i += 1u) {
         let angle = PI * (f32(i) + p.turn) / f32(screen.lines);

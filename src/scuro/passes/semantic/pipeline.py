@@ -110,6 +110,7 @@ def _occlude(
         "strength": settings.strength,
         "bounce": bounce,
         "near_weight": near,
+        "limit": frame.screen_reach,
     }
     frame.compute_tiles(
         "passes/semantic/ssdo.wgsl",
@@ -171,5 +172,6 @@ def _shadow(frame: Frame, settings: SemanticSettings, calm: dict[str, Any], shar
         "reach": 0.5 * distance,
         "thickness": 0.25 * distance,
         "strength": share,
+        "limit": frame.screen_reach,
     }
     frame.compute_tiles("passes/semantic/shadow.wgsl", calm | {"shadow": shadow})

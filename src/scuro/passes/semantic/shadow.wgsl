@@ -5,6 +5,7 @@
 //#include "labelled.wgsl"
 //#include "lights.wgsl"
 //#include "halton.wgsl"
+//#include "reach.wgsl"
 
 struct Shadow {
     steps: u32,
@@ -14,6 +15,8 @@ struct Shadow {
     thickness: f32,
     // how dark a full shadow is
     strength: f32,
+    // how far the march goes in the picture, pixels
+    limit: f32,
 }
 
 @group(2) @binding(2) var<uniform> shadow: Shadow;
@@ -29,7 +32,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     }
     let arriving = incoming_light(lights.list[0], seen_position(here));
     let start = view_position(vec2f(here.pixel) + 0.5, here.depth);
-    let way = min(shadow.reach, arriving.distance)
+    let way = radius_within(min(shadow.reach, arriving.distance), start, shadow.limit)
         * (view.view_from_scene * vec4f(arriving.direction, 0.0)).xyz;
     // pixels and depth go evenly along the ray in homogeneous coordinates
     let first = pixel_from_view(start);

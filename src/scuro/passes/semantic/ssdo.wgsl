@@ -8,6 +8,7 @@
 //#include "seen.wgsl"
 //#include "labelled.wgsl"
 //#include "gather.wgsl"
+//#include "reach.wgsl"
 //#include "octahedral.wgsl"
 
 struct Ssdo {
@@ -18,6 +19,8 @@ struct Ssdo {
     bounce: f32,
     // how much the near reach counts: less with distance
     near_weight: f32,
+    // how far is looked in the picture, pixels
+    limit: f32,
 }
 
 @group(2) @binding(4) var<uniform> ssdo: Ssdo;
@@ -74,6 +77,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     let basis = tangent_frame(here.normal);
     // sample points are made in view space, where their pixel costs least
     let start = view_position(vec2f(here.pixel) + 0.5, here.depth);
+    let near_reach = radius_within(ssdo.near_radius, start, ssdo.limit);
+    let far_reach = radius_within(ssdo.far_radius, start, ssdo.limit);
     let m = view.view_from_scene;
     let turned = mat3x3f(m[0].xyz, m[1].xyz, m[2].xyz) * basis;
     var sum = Gathering(vec3f(0.0), 0.0);
@@ -85,13 +90,13 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         let step = u.z * (turned * upright);
         var near = 0.0;
         if (HAS_NEAR) {
-            let found = probe(start + ssdo.near_radius * step, here, ssdo.near_radius);
+            let found = probe(start + near_reach * step, here, ssdo.near_radius);
             near = found.occluded * ssdo.near_weight;
             if (HAS_BOUNCE && near > 0.0) {
                 indirect += near * sent(found, start, direction, upright.z);
             }
         }
-        let found = probe(start + ssdo.far_radius * step, here, ssdo.far_radius);
+        let found = probe(start + far_reach * step, here, ssdo.far_radius);
         var far = found.occluded;
         if (!PLAIN && far > 0.0) {
             far *= strangeness(found.there.labels, own);
