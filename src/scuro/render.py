@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -19,12 +18,11 @@ from scuro.passes.filter.temporal import History
 from scuro.passes.frame import Frame, TargetPool, view_uniform
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion, prepare_occlusion
-from scuro.passes.part import Part, screen_reach, split
-from scuro.passes.part import bands as split_bands
-from scuro.passes.post.antialias import FILTER_RADIUS, filter_down
+from scuro.passes.part import Part
+from scuro.passes.post.antialias import filter_down
 from scuro.passes.post.attention import draw_attention
-from scuro.passes.post.cues import cues_reach, draw_cues
-from scuro.passes.post.focus import draw_focus, focus_reach
+from scuro.passes.post.cues import draw_cues
+from scuro.passes.post.focus import draw_focus
 from scuro.passes.post.fxaa import draw_fxaa
 from scuro.passes.post.naming import draw_labels
 from scuro.passes.post.stereo import eye_camera, eye_size, join_eyes, keep_left_eye
@@ -35,6 +33,7 @@ from scuro.passes.shadow.shadow import draw_shadows
 from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.passes.volume.frame import Volumes
 from scuro.reference.path import PathTracer
+from scuro.render_parts import parts_of
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.lights import DIRECTIONAL
@@ -50,26 +49,6 @@ class _Built:
     accelerator: Accelerator | None = None
     bounds: Any = None
     """(2, 3) world box of the scene it was built for."""
-
-
-_OF_RAYS = ("ray", "hybrid", "analytic", "baked")
-_SMOOTHING = 32
-"""Samples that the widest smoothing looks about: à-trous at half resolution."""
-_CALM = 8
-"""Samples about which semantic shading smooths normals, and rounding."""
-_FILTERS = 64
-"""Samples beyond a part that filters may look at where occlusion is one of object space."""
-
-
-def _sight(settings: Settings, height: int) -> int:
-    """Samples beyond a part, of a picture so many high, that its techniques may look at."""
-    semantic = settings.semantic
-    if semantic.mode != "off":
-        blur = max(semantic.blur_occlusion, semantic.blur_bounce, semantic.blur_shadow)
-        return screen_reach(height) + blur + _CALM
-    if settings.occlusion.technique not in ("none", *_OF_RAYS):
-        return screen_reach(height) + _SMOOTHING
-    return min(_FILTERS, max(2 * settings.occlusion.hybrid.reach + 8, _SMOOTHING))
 
 
 class Renderer:
@@ -257,38 +236,8 @@ class Renderer:
         return frame
 
     def parts(self, settings: Settings, bands: int = 1, rows: int | None = None) -> list[Part]:
-        """The parts in which a picture is drawn, row by row: one, unless it is large or stereo.
-
-        ``bands`` cuts a picture that could be drawn at once into about so many; ``rows`` are the
-        most that parts of a larger one shall keep.
-        """
-        settings = with_implied(settings)
-        scale = settings.antialias.scale
-        size = eye_size(settings.stereo, settings.size)
-        sight = _sight(settings, size[1] * scale)
-        screen = max(sight, _FILTERS) / scale
-        margin = (
-            screen
-            + cues_reach(settings, settings.px)
-            + focus_reach(settings.depth_of_field, settings.px)
-            + FILTER_RADIUS
-        )
-        parts = split(
-            size,
-            scale=scale,
-            margin=math.ceil(margin),
-            max_texture=self.gpu.max_texture,
-            rows=rows,
-        )
-        if bands > 1 and len(parts) == 1:
-            # many thin bands: what looks less far about has narrower margins
-            margin += sight / scale - screen
-            parts = split_bands(size, margin=math.ceil(margin), count=bands)
-        if settings.stereo.mode != "side-by-side":
-            return parts
-        both = [replace(part, eye=-1) for part in parts]
-        both += [replace(part, eye=1, shift=size[0]) for part in parts]
-        return sorted(both, key=lambda part: part.keep[1])
+        """The parts in which a picture is drawn: see :func:`~scuro.render_parts.parts_of`."""
+        return parts_of(with_implied(settings), self.gpu.max_texture, bands, rows)
 
     def frames(
         self, scene: Scene, camera: Camera, settings: Settings, rows: int | None = None

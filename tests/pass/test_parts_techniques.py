@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 
 import numpy as np
 import pytest
 from scenes import draw, scene_of, spheres
 
-from scuro import Camera
+from scuro import Camera, render_parts
 from scuro.passes import part
 
 WAYS = {
@@ -58,7 +57,7 @@ def _difference(camera, changes, monkeypatch):
     split = part.split
     monkeypatch.setattr(part, "fits", lambda *rest: False)
     monkeypatch.setattr(
-        sys.modules["scuro.render"],
+        render_parts,
         "split",
         lambda size, **options: split(size, **{**options, "edge": 240}),
     )
