@@ -214,7 +214,7 @@ def light_of(gpu, volume, transfer, at, **settings):
     )
     lighting = Lighting((Light(direction=(0, 0, -1), intensity=1.0),), ambient=0.5)
     _, _, picture = draw(gpu, volume, chosen, transfer, lighting=lighting, size=(8, 8))
-    texels = gpu.read_texture(picture._keep("light", picture.grid.size, None).texture)
+    texels = gpu.read_texture(picture.keep("light", picture.grid.size, None).texture)
     texels = texels.astype(float)
     x, y, z = np.rint(np.linalg.inv(volume.world_from_index) @ [*at, 1])[:3].astype(int)
     return texels[z, y, x]

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from scuro.gpu import Gpu, Recorder
+from scuro.gpu import Gpu
 from scuro.passes.volume.grid import VolumeGrid
-from scuro.passes.volume.settings import VolumeSettings
+from scuro.passes.volume.march import March
 
 
 class SliceBuffers:
@@ -31,32 +31,17 @@ class SliceBuffers:
         self.seen = gpu.buffer(4 * size[0] * size[1], label="slices' depth")
 
 
-def draw_slices(
-    record: Recorder,
-    resources: Mapping[str, Any],
-    constants: Mapping[str, Any],
-    grid: VolumeGrid,
-    settings: VolumeSettings,
-    size: tuple[int, int],
-    buffers: SliceBuffers,
-) -> None:
+def draw_slices(march: March, buffers: SliceBuffers) -> None:
     """Record the volume's picture by slices ``settings.step`` apart.
 
     Args:
-        record: Where to.
-        resources: What lit.wgsl and illumination.wgsl want bound.
-        constants: Those of lit.wgsl and illumination.wgsl.
-        grid: The volume.
-        settings: Angle, attenuation and step.
-        size: Width and height of the picture.
+        march: Volume, settings (angle, attenuation and step) and picture.
         buffers: For pictures of that size.
     """
     shader = "passes/volume/slices.wgsl"
-    depths, low, high = _extent(grid, resources["view"], size)
-    occlusion = settings.occlusion
+    occlusion, spacing = march.settings.occlusion, march.spacing
+    depths, low, high = _extent(march.grid, march.resources["view"], march.size)
     angle = occlusion.angle if occlusion.slice_angle is None else occlusion.slice_angle
-    spacing = settings.step * grid.voxel
-    bound = {**resources, "sums": buffers.sums, "seen": buffers.seen}
     fields = {
         "low": low,
         "high": high,
@@ -64,31 +49,25 @@ def draw_slices(
         "radius": spacing * math.tan(math.radians(angle)),
         "attenuation": occlusion.attenuation,
     }
+    record = march.record
     record.clear_buffer(buffers.sums)
     record.clear_buffer(buffers.seen)
+
+    def bound(depth: float, first: bool, now: int) -> dict[str, Any]:
+        return {
+            "sums": buffers.sums,
+            "seen": buffers.seen,
+            "slice": {**fields, "depth": depth, "first": int(first)},
+            "openness": buffers.openness[now],
+            "openness_after": buffers.openness[1 - now],
+        }
+
     near, far = depths or (0.0, 0.0)
+    part = high[0] - low[0], high[1] - low[1]
     for i in range(math.ceil((far - near) / spacing)):
-        now, after = buffers.openness[i % 2], buffers.openness[(i + 1) % 2]
-        record.compute(
-            shader,
-            "main",
-            (high[0] - low[0], high[1] - low[1]),
-            {
-                **bound,
-                "slice": {**fields, "depth": near + (i + 0.5) * spacing, "first": int(i == 0)},
-                "openness": now,
-                "openness_after": after,
-            },
-            constants,
-            label="volume slices",
-        )
-    last = {
-        **bound,
-        "slice": {**fields, "depth": far, "first": 0},
-        "openness": buffers.openness[0],
-        "openness_after": buffers.openness[1],
-    }
-    record.compute(shader, "finish", size, last, constants, label="volume slices")
+        one = bound(near + (i + 0.5) * spacing, i == 0, i % 2)
+        march.compute(shader, "main", one, size=part, label="volume slices")
+    march.compute(shader, "finish", bound(far, False, 0), label="volume slices")
 
 
 def _extent(
