@@ -17,9 +17,9 @@ from scuro.style.color import (
     atom_colors,
     parse_color,
     parse_scheme,
-    polymer_atoms,
     scheme_names,
 )
+from scuro.style.color_by import polymer_atoms
 from scuro.style.elements import NUMBER_OF, SYMBOLS
 from scuro.style.radii import VAN_DER_WAALS, atom_radii
 

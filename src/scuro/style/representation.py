@@ -13,7 +13,7 @@ from scuro.scene.molecule import SOLVENT, Molecule
 from scuro.settings import unknown
 from scuro.style.backbone import backbone
 from scuro.style.cartoon import cartoon
-from scuro.style.color import polymer_atoms
+from scuro.style.color_by import polymer_atoms
 from scuro.style.options import Representation
 from scuro.style.sticks import ball_and_stick, licorice, spacefill
 
