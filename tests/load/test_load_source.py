@@ -16,7 +16,7 @@ from structure_files import MMCIF, MOL, XYZ, pdb_atom
 
 from scuro.errors import LoadError
 from scuro.load import fetch, load
-from scuro.load.describe import describe
+from scuro.scene.describe import describe
 
 
 def test_samples() -> None:

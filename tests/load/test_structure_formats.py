@@ -11,7 +11,7 @@ from structure_files import GRO, MMCIF, MOL, MOL2, MOL_V3000, PQR, XYZ, pdb_atom
 
 from scuro.errors import LoadError
 from scuro.load import load
-from scuro.load.describe import describe
+from scuro.scene.describe import describe
 from scuro.scene.molecule import HELIX, ION, LIGAND, POLYMER_PROTEIN, SOLVENT, STRAND
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import locale
 
 import numpy as np
 import pytest
@@ -152,6 +153,7 @@ def test_dicom_folder_lists_its_series(tmp_path):
                 image.SetMetaData(tag, value)
             writer.SetFileName(str(tmp_path / f"{series}.{k}.dcm"))
             writer.Execute(image)
+    locale.setlocale(locale.LC_ALL, "")  # the writer leaves it at C
     with pytest.raises(LoadError, match=r"1\.2\.3 \(CT series 1\.2\.3 2 slices\)"):
         load(tmp_path)
     volume = load(tmp_path, voxels__series="1.2.4")

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from scuro.measure.compare import Variant
 from scuro.measure.fit import Fitter, numbers_to_fit, search
 from scuro.measure.metrics import delta_e, delta_e_map
 from scuro.measure.sheet import difference_picture
+from scuro.measure.variant import Variant
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.scene import Scene

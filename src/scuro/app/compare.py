@@ -15,8 +15,9 @@ from scuro.errors import SaveError, SettingsError
 from scuro.settings import unknown, walk
 
 if TYPE_CHECKING:
-    from scuro.measure.compare import Drawn, Variant
+    from scuro.measure.compare import Drawn
     from scuro.measure.report import Row
+    from scuro.measure.variant import Variant
     from scuro.render_settings import Settings
     from scuro.scene.scene import Scene
 
@@ -219,7 +220,8 @@ def reference_variant(vary: str, text: str) -> Variant:
     Raises:
         SettingsError: The name or a key is not known.
     """
-    from scuro.measure.compare import Variant, variants, varied
+    from scuro.measure.compare import variants, varied
+    from scuro.measure.variant import Variant
     from scuro.render_settings import Settings
 
     name, *rest = text.split(",")

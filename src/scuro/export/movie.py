@@ -67,7 +67,7 @@ class Film:
         plan = self.folder / _PLAN
         known = None
         with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
-            known = json.loads(plan.read_text())["film"]
+            known = json.loads(plan.read_text("utf-8"))["film"]
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:

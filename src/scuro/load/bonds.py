@@ -12,11 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.load.neighbors import close_pairs
-from scuro.load.places import Lookup, first_atoms, residue_key, residue_keys
+from scuro.load.places import Lookup, residue_key, residue_keys
 from scuro.load.radii import COVALENT
 from scuro.load.table import FileBonds, Links, first_seen
 from scuro.load.templates import templates
-from scuro.scene.molecule import ION, POLYMER_NUCLEIC, POLYMER_PROTEIN, SOLVENT, Molecule
+from scuro.scene.molecule import (
+    ION,
+    POLYMER_NUCLEIC,
+    POLYMER_PROTEIN,
+    SOLVENT,
+    Molecule,
+    first_atoms,
+)
 
 TOLERANCE = 0.45
 """Å that a bond may be longer than the sum of covalent radii (as in Open Babel and Jmol)."""

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from scuro.errors import LoadError
 from scuro.load.columns import fixed_floats, fixed_integers, strip
-from scuro.load.pdb import Lines
+from scuro.load.lines import Lines
 from scuro.load.source import Source
 from scuro.load.table import AtomTable
 

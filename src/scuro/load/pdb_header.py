@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scuro.load.assembly import part
 from scuro.load.columns import fixed_integers, strip
+from scuro.load.lines import Lines
 from scuro.load.source import Source
 from scuro.load.table import FileBonds, Links, SecondaryRanges
 from scuro.scene.molecule import HELIX, STRAND, AssemblyPart
-
-if TYPE_CHECKING:
-    from scuro.load.pdb import Lines
 
 
 def read_secondary(lines: Lines, chains: tuple[str, ...]) -> SecondaryRanges | None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.load.table import text
-from scuro.scene.molecule import Molecule
+from scuro.scene.molecule import Molecule, first_atoms
 
 
 class Lookup:
@@ -53,10 +53,3 @@ def residue_keys(molecule: Molecule) -> tuple[NDArray[np.int64], int]:
         molecule.chain[heads], molecule.residue_number, molecule.insertion_code, index.ravel()
     )
     return keys, len(models)
-
-
-def first_atoms(molecule: Molecule) -> NDArray[np.intp]:
-    """First atom of each residue."""
-    if len(molecule) == 0:
-        return np.zeros(0, np.intp)
-    return np.flatnonzero(np.r_[True, molecule.residue[1:] != molecule.residue[:-1]])

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.load.places import Lookup, first_atoms, residue_key, residue_keys
+from scuro.load.places import Lookup, residue_key, residue_keys
 from scuro.load.table import SecondaryRanges
-from scuro.scene.molecule import COIL, HELIX, POLYMER_PROTEIN, STRAND, Molecule
+from scuro.scene.molecule import COIL, HELIX, POLYMER_PROTEIN, STRAND, Molecule, first_atoms
 
 GAP = 5.0
 """Å between neighbouring alpha carbons above which the chain is broken."""

@@ -17,6 +17,7 @@ from scuro.errors import LoadError
 from scuro.load.build import build, chosen_rows
 from scuro.load.options import LoadOptions
 from scuro.load.source import Source, open_source
+from scuro.load.structure_table import read_table
 from scuro.load.table import AtomTable
 from scuro.scene.molecule import Molecule
 
@@ -58,8 +59,6 @@ class Trajectory:
         Raises:
             LoadError: Either file is damaged, or they differ in their numbers of atoms.
         """
-        from scuro.load.structure import read_table
-
         table = read_table(format, source)
         if table.model is not None:
             first = table.model == table.model[0]

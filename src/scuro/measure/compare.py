@@ -15,6 +15,7 @@ from scuro.errors import SettingsError
 from scuro.measure.fit import Fitter, rgb
 from scuro.measure.metrics import rmse, score
 from scuro.measure.report import Row
+from scuro.measure.variant import Variant
 from scuro.render_settings import Settings
 from scuro.settings import Parameter, unknown, walk
 
@@ -26,15 +27,6 @@ if TYPE_CHECKING:
 
 _LEAST_OPACITY = 0.02
 """Pixels of a volume with less are background."""
-
-
-@dataclass(frozen=True)
-class Variant:
-    """A way to draw the scene: its name, and what it changes of the settings."""
-
-    name: str
-    changes: dict[str, Any]
-    """As for :meth:`scuro.settings.SettingsGroup.replace`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scuro.measure.metrics import delta_e
+from scuro.measure.variant import Variant
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from scuro.measure.compare import Variant
     from scuro.render import Renderer
     from scuro.render_settings import Settings
     from scuro.scene.camera import Camera

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.measure.compare import Drawn, Variant, compare
+from scuro.measure.compare import Drawn, compare
 from scuro.measure.metrics import Scores
 from scuro.measure.report import Row
+from scuro.measure.variant import Variant
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 

@@ -158,6 +158,13 @@ class Molecule:
 
     def summary(self) -> dict[str, Any]:
         """What ``scuro info`` prints."""
-        from scuro.load.describe import describe
+        from scuro.scene.describe import describe
 
         return describe(self)
+
+
+def first_atoms(molecule: Molecule) -> NDArray[np.intp]:
+    """First atom of each residue."""
+    if len(molecule) == 0:
+        return np.zeros(0, np.intp)
+    return np.flatnonzero(np.r_[True, molecule.residue[1:] != molecule.residue[:-1]])

@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     # the page must not tell of this machine: inputs are named without their folders
     inputs = [label(name) for name in given.inputs]
     if given.measured:
-        inputs = list(json.loads(given.measured.read_text()))
+        inputs = list(json.loads(given.measured.read_text("utf-8")))
     command = shlex.join(
         ["python", "-m", "scuro.measure.results", given.topic, *inputs, "--size", given.size]
     )

@@ -14,8 +14,9 @@ from scuro.export.files import replacing
 from scuro.load import load
 from scuro.measure.bench import BenchOptions, label
 from scuro.measure.bench.visibility import scenes
-from scuro.measure.compare import Variant, compare, draw
+from scuro.measure.compare import compare, draw
 from scuro.measure.results.page import grid
+from scuro.measure.variant import Variant
 from scuro.render import Renderer
 from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings, view_camera
@@ -108,7 +109,7 @@ def section(options: BenchOptions) -> Iterator[str]:
     """
     measured: dict[str, Any] = {}
     if options.measured and options.measured.exists():
-        measured = json.loads(options.measured.read_text())
+        measured = json.loads(options.measured.read_text("utf-8"))
     renderer = Renderer(options.device)
     for name, scene in _scenes(options):
         measured[name] = _measure(renderer, name, scene, options)

@@ -12,9 +12,10 @@ from typing import Any
 from scuro.load import load
 from scuro.measure.bench import BenchOptions, label
 from scuro.measure.bench.reservoir import unlit
-from scuro.measure.compare import Variant, draw
+from scuro.measure.compare import draw
 from scuro.measure.results.page import grid
 from scuro.measure.turns import centered, compare_turned, means
+from scuro.measure.variant import Variant
 from scuro.passes.reservoir.light import ReservoirLight, light_settings
 from scuro.passes.reservoir.resample import cubic_size
 from scuro.render import Renderer

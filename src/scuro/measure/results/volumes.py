@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from scuro.measure.bench import BenchOptions, label, median_seconds
-from scuro.measure.compare import Variant, draw
+from scuro.measure.compare import draw
 from scuro.measure.results.page import grid
+from scuro.measure.variant import Variant
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from scuro.measure.bench import BenchOptions
-from scuro.measure.compare import Variant, draw
+from scuro.measure.compare import draw
 from scuro.measure.fit import LEAST_OPACITY, Fitter, rgb
 from scuro.measure.metrics import delta_e, psnr, ssim
 from scuro.measure.results.page import grid
@@ -26,6 +26,7 @@ from scuro.measure.results.volumes import (
     camera_of,
     showings,
 )
+from scuro.measure.variant import Variant
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 

@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from scuro.load.elements import SYMBOLS
-from scuro.load.places import first_atoms
 from scuro.scene.molecule import (
     HELIX,
     ION,
@@ -18,7 +16,9 @@ from scuro.scene.molecule import (
     SOLVENT,
     STRAND,
     Molecule,
+    first_atoms,
 )
+from scuro.style.elements import SYMBOLS
 
 KIND_NAMES = {
     POLYMER_PROTEIN: "protein",
