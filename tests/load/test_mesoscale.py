@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scuro.app.output import scene_counts
 from scuro.errors import LoadError
 from scuro.load import load
 from scuro.scene.geometry import rotation_matrices
 from scuro.scene.model import MesoscaleModel
+from scuro.scene.scene import Scene
 
 CA = ("HIV1_CA_mono_0_1_0", "surf_1__HIV1_CA_mono", "Capsid")
 """What the forms call the capsid's protein."""
@@ -154,5 +156,9 @@ def test_tree_adds_up(blood):
     for _, node in tree.walk():
         if node.children:
             assert node.instances == sum(c.instances for c in node.children.values())
+    assert blood.compartments == sum(bool(n.children) for _, n in tree.walk()) - 1 == 7
+    counts = scene_counts(Scene().add(blood))
+    assert counts["atoms"] == blood.atoms > 60_000_000
+    assert counts["instances"] == blood.instances and counts["compartments"] == 7
     text = "\n".join(blood.outline())
     assert "SerumAlbumin" in text and "3,698" in text and "17,251,170" in text

@@ -251,6 +251,25 @@ def test_grdecl_repeats_and_includes(tmp_path: Path, dome) -> None:
     assert grid.unit == "ft"
 
 
+def test_a_unit_that_the_file_leaves_out_is_told_and_can_be_given(tmp_path: Path, dome) -> None:
+    path = tmp_path / "A.GRDECL"
+    text = grdecl(dome, f"{dome.active.size}*1") + f"PRESSURE\n{dome.active.size}*100 /\n"
+    path.write_text(text)
+    grid = load(path)
+    assert (grid.unit, grid.property_unit("PRESSURE")) == ("m", "barsa")
+    assert any("no unit of length" in n and "--grid-unit" in n for n in grid.notes)
+    grid = load(path, grid_unit="feet")
+    assert (grid.unit, grid.property_unit("PRESSURE")) == ("ft", "psia")
+    assert not any("unit of length" in n for n in grid.notes)
+    path.write_text("METRIC\n" + text)
+    assert not any("unit of length" in n for n in load(path).notes)
+    # a binary grid's INIT may say which system of units it is
+    write_egrid(tmp_path / "B.EGRID", dome, GRIDUNIT=None)
+    head = np.array([0, 0, 2, *[0] * 92], np.int32)
+    resfo.write(tmp_path / "B.INIT", [("INTEHEAD", head)])
+    assert load(tmp_path / "B.EGRID").unit == "ft"
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -14,13 +14,17 @@ from scuro.gpu.shader import load_text
 from scuro.passes.reservoir.light import bricks_with
 from scuro.passes.reservoir.model import ReservoirModel
 from scuro.passes.reservoir.pack import RING, PackedReservoir
+from scuro.passes.volume.light import LightTexture
 from scuro.render import Renderer
 from scuro.scene.camera import Camera
 from scuro.scene.cornerpoint import CornerPointGrid
 from scuro.scene.cornerpoint_synthetic import faulted_dome
 from scuro.scene.cornerpoint_topology import vertex_values
 from scuro.scene.geometry import Body, Geometry
+from scuro.scene.lights import Light, Lighting
 from scuro.scene.scene import Scene
+from scuro.scene.view import ViewSettings, view_camera
+from scuro.style.reservoir_options import ReservoirSettings
 
 SIZE = (72, 56)
 
@@ -215,13 +219,12 @@ def test_location_in_a_faulted_dome(renderer: Renderer, dome: CornerPointGrid) -
     assert same[whole].mean() > 0.995
 
 
-@pytest.mark.parametrize("technique", ["libc", "plts", "srg"])
-@pytest.mark.parametrize("fast", [False, True])
+@pytest.mark.parametrize(
+    ("technique", "fast"), [("libc", False), ("libc", True), ("plts", False), ("srg", False)]
+)
 def test_constant_block_has_the_closed_form_opacity(
     renderer: Renderer, technique: str, fast: bool
 ) -> None:
-    if fast and technique != "libc":
-        pytest.skip("only libc has a faster form")
     grid = box(4, 4, 4)
     color = picture(
         renderer,
@@ -398,6 +401,59 @@ def test_solids_and_the_model_take_light_from_each_other(renderer: Renderer) -> 
         ball = surface[..., 3] > 0
         left.append((color - volume)[ball, :3].sum())
     assert left[1] < 0.85 * left[0]
+
+
+def test_light_is_made_anew_only_where_something_changed(
+    dome: CornerPointGrid, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = []
+    make = LightTexture.make
+    monkeypatch.setattr(LightTexture, "make", lambda *args: (made.append(1), make(*args)))
+    renderer, scene = Renderer(), Scene().add(dome)
+    settings = scuro.Settings(size=SIZE).replace(strategy__shadow=True, strategy__occlusion=False)
+    lighting = Lighting((Light(direction=(0.3, -0.4, 1), relative_to="world"),))
+    scene.lighting = lighting
+
+    def drawn(azimuth: float, **changes) -> np.ndarray:
+        camera = view_camera(scene, ViewSettings(azimuth=azimuth), 1.0)
+        return np.asarray(renderer.render(scene, camera, settings.replace(**changes)))
+
+    first = drawn(0)
+    np.testing.assert_array_equal(drawn(0), first)
+    turned = drawn(25)
+    assert len(made) == 1, "the lights stand still"
+    np.testing.assert_array_equal(turned, np.asarray(
+        Renderer().render(scene, view_camera(scene, ViewSettings(azimuth=25), 1.0), settings)
+    ))  # fmt: skip
+    made.clear()
+    occluded = [drawn(azimuth, strategy__occlusion=True) for azimuth in (0, 0, 25)]
+    assert len(made) == 2, "occlusion is toward the eye"
+    np.testing.assert_array_equal(occluded[0], occluded[1])
+    scene.lighting = replace(lighting, lights=(Light(direction=(-1, 0, 0), relative_to="world"),))
+    drawn(25)
+    drawn(25, reservoir__opacity="0:0.2 1:0.2")
+    assert len(made) == 4
+
+
+def test_cameras_are_fitted_to_the_cells_that_are_seen() -> None:
+    grid = box(20, 6, 2)
+    scene = Scene().add(replace(grid, statics={"PORO": np.arange(240, dtype=np.float32)}))
+
+    def outline(**changes) -> np.ndarray:
+        scene.show_reservoirs(ReservoirSettings(property="PORO", exaggeration=1.0, **changes))
+        points = scene.reservoirs[0].outline
+        return np.stack([points.min(axis=0), points.max(axis=0)])
+
+    whole = [[0, 0, -120], [200, 60, -100]]
+    np.testing.assert_allclose(outline(show="cells"), whole)
+    np.testing.assert_allclose(outline(show="cells", box="i=3:4"), [[20, 0, -120], [40, 60, -100]])
+    np.testing.assert_allclose(
+        outline(show="slices", slices="j2"), [[0, 10, -120], [200, 20, -100]]
+    )
+    # the lower layer's values are the greater ones
+    upper = outline(show="volume", opacity="0:0 119:0 120:0.5")
+    np.testing.assert_allclose(upper, [[0, 0, -120], [200, 60, -110]])
+    np.testing.assert_allclose(outline(show="volume", opacity="0:0 1:0"), whole)
 
 
 def test_light_is_made_where_samples_read_it() -> None:

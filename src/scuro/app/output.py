@@ -43,9 +43,10 @@ def print_table(table: Any) -> None:
 
 
 def tell_notes(scene: Scene) -> None:
-    """Say on standard error what readers of volumes and cell-scale models mended or missed."""
+    """Say on standard error what readers mended or missed, of all data but molecules."""
     for item in scene.items:
-        data: Any = getattr(item, "volume", None) or getattr(item, "model", None)
+        known = (getattr(item, kind, None) for kind in ("volume", "model", "grid"))
+        data: Any = next((data for data in known if data is not None), None)
         notes = list(getattr(data, "notes", ()))
         told = notes if len(notes) <= _MOST_NOTES + 1 else notes[:_MOST_NOTES]
         for note in told:
@@ -56,6 +57,24 @@ def tell_notes(scene: Scene) -> None:
                 "'scuro info'",
                 err=True,
             )
+
+
+def scene_counts(scene: Scene) -> dict[str, int]:
+    """What a scene holds: atoms with all their copies, and more of other kinds of data."""
+    models = [item.model for item in scene.items if hasattr(item, "model")]
+    atoms = sum(item.atoms for item in scene.molecules)
+    counts = {"atoms": atoms + sum(m.atoms for m in models)}
+    if models:
+        counts["instances"] = sum(m.instances for m in models)
+        counts["ingredients"] = sum(len(m.ingredients) for m in models)
+        counts["compartments"] = sum(m.compartments for m in models)
+    cells = [item.grid.active_count for item in scene.reservoirs]
+    voxels = [item.volume.values.size for item in scene.volumes]
+    return (
+        counts
+        | ({"cells": sum(cells)} if cells else {})
+        | ({"voxels": sum(voxels)} if voxels else {})
+    )
 
 
 @contextmanager

@@ -12,7 +12,7 @@ import click
 from scuro.app.cli import STARTED
 from scuro.app.document import take_document, with_document
 from scuro.app.options import SettingsCommand
-from scuro.app.output import print_json, progress, stage, tell_notes
+from scuro.app.output import print_json, progress, scene_counts, stage, tell_notes
 from scuro.errors import SettingsError
 from scuro.measure.memory import peak_memory_mb
 
@@ -116,9 +116,9 @@ def command(
             {
                 "output": output,
                 "adapter": str(renderer.gpu.info),
-                "atoms": sum(len(item.molecule) for item in scene.molecules),
-                "spheres": accelerator.spheres,
                 "instances": accelerator.instances,
+                **scene_counts(scene),
+                "spheres": accelerator.spheres,
                 "seconds": {name: value and round(value, 4) for name, value in seconds.items()},
                 "passes": {
                     name: round(value, 5) for name, value in renderer.timings.seconds.items()

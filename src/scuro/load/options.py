@@ -49,4 +49,9 @@ class LoadOptions(SettingsGroup):
     strict: bool = setting(
         False, "fail where a cell-scale model's structure is missing, instead of drawing spheres"
     )
+    grid_unit: str | None = setting(
+        None,
+        "unit of length of a reservoir's grid, instead of the file's; metres where neither says",
+        choices=("metres", "feet", "cm"),
+    )
     voxels: VoxelOptions = VoxelOptions()

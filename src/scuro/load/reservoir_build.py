@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import LoadError
+from scuro.load.options import LoadOptions
 from scuro.load.source import Source
 from scuro.scene.cornerpoint import LENGTH_UNITS, CornerPointGrid
 
 _METRES = {"METRES": 1.0, "FEET": 0.3048, "CM": 0.01}
+_SYSTEMS = {"METRES": "METRIC", "FEET": "FIELD", "CM": "LAB"}
 
 
 def build_grid(
@@ -22,8 +24,9 @@ def build_grid(
     zcorn: NDArray,
     *,
     active: NDArray | None,
-    unit: str,
+    unit: str | None,
     unit_system: str,
+    options: LoadOptions,
     map_axes: NDArray | None,
     map_unit: str = "",
     depth_down: bool = True,
@@ -39,8 +42,9 @@ def build_grid(
         coord: Six numbers a pillar.
         zcorn: Eight depths a cell.
         active: One number a cell; all cells where ``None``.
-        unit: ``METRES``, ``FEET`` or ``CM``.
-        unit_system: ``METRIC``, ``FIELD`` or ``LAB``.
+        unit: ``METRES``, ``FEET`` or ``CM``; ``None`` where the file does not say.
+        unit_system: ``METRIC``, ``FIELD`` or ``LAB``; empty where the file does not say.
+        options: A unit that the user gives counts instead of the file's.
         map_axes: MAPAXES, six numbers.
         map_unit: Unit of MAPAXES, where it differs from the grid's.
         depth_down: Whether ``zcorn`` grows downward.
@@ -77,10 +81,21 @@ def build_grid(
         pillars = pillars * (1, 1, -1)
         depths = -depths
     told = list(notes)
-    word = unit.upper()
+    if options.grid_unit is not None:
+        unit, unit_system = options.grid_unit, ""
+    if unit is None:
+        unit = next((u for u, system in _SYSTEMS.items() if system == unit_system), None)
+    word = (unit or "METRES").upper()
     if word not in _METRES:
-        told.append(f"the unit of length '{unit}' is unknown: taken as metres")
+        told.append(
+            f"the unit of length '{unit}' is unknown: taken as metres; --grid-unit says otherwise"
+        )
         word = "METRES"
+    elif unit is None:
+        told.append(
+            "names no unit of length: taken as metres, and its properties as METRIC; --grid-unit "
+            "feet says otherwise"
+        )
     mask = np.ones((nk, nj, ni), bool) if active is None else active.reshape(nk, nj, ni) > 0
     if not mask.any():
         raise LoadError(path, "no cell of the grid is active")
@@ -88,8 +103,8 @@ def build_grid(
         bad = len(values) - int(np.count_nonzero(np.isfinite(values)))
         if bad:
             told.append(f"{name} has no finite value in {bad:,} cells: they are left out")
-    if unit_system == "METRIC" and word == "FEET":
-        unit_system = "FIELD"
+    if not unit_system or (unit_system == "METRIC" and word == "FEET"):
+        unit_system = _SYSTEMS[word]
     return CornerPointGrid(
         pillars,
         depths,

@@ -36,7 +36,7 @@ class Geometry:
     coord: NDArray
     zcorn: NDArray
     active: NDArray | None
-    unit: str
+    unit: str | None
     map_axes: NDArray | None
     map_unit: str
     depth_down: bool
@@ -76,6 +76,7 @@ def read_eclipse(source: Source, options: LoadOptions) -> CornerPointGrid:
         active=geometry.active,
         unit=geometry.unit,
         unit_system=system or restart_system,
+        options=options,
         map_axes=geometry.map_axes,
         map_unit=geometry.map_unit,
         depth_down=geometry.depth_down,
@@ -96,7 +97,7 @@ def read_pillars(records: RecordFile) -> Geometry:
     pairs = np.zeros((0, 2), np.int64)
     if nnc1 is not None and nnc2 is not None and len(nnc1) == len(nnc2):
         pairs = np.stack([nnc1, nnc2], axis=1).astype(np.int64) - 1
-    units = words(records.array("GRIDUNIT")) or ["METRES", ""]
+    units = words(records.array("GRIDUNIT"))
     orientation = words(records.array("GDORIENT"))
     map_axes = None if "MAP" in units[1:] else records.array("MAPAXES")
     active = records.array("ACTNUM")
@@ -105,9 +106,9 @@ def read_pillars(records: RecordFile) -> Geometry:
         records.needed("COORD"),
         records.needed("ZCORN"),
         None if active is None else active & 1 > 0,
-        units[0],
+        units[0] if units else None,
         map_axes,
-        (words(records.array("MAPUNITS")) or [units[0]])[0],
+        (words(records.array("MAPUNITS")) or [""])[0],
         "UP" not in orientation,
         pairs,
     )
@@ -135,9 +136,10 @@ def read_cells(records: RecordFile) -> Geometry:
         ends[dj : nj + dj, di : ni + di, 0] = boxes[0, :, :, 0, dj, di]
         ends[dj : nj + dj, di : ni + di, 1] = boxes[-1, :, :, 1, dj, di]
     zcorn = boxes[..., 2].transpose(0, 3, 1, 4, 2, 5)
-    units = words(records.array("GRIDUNIT")) or words(records.array("MAPUNITS")) or ["METRES"]
+    units = words(records.array("GRIDUNIT")) or words(records.array("MAPUNITS"))
     return Geometry(
-        (ni, nj, nk), ends, zcorn, active, units[0], records.array("MAPAXES"), units[0], True,
+        (ni, nj, nk), ends, zcorn, active, units[0] if units else None,
+        records.array("MAPAXES"), "", True,
         np.zeros((0, 2), np.int64),
     )  # fmt: skip
 

@@ -66,17 +66,19 @@ def read_grdecl(source: Source, options: LoadOptions) -> CornerPointGrid:
                 f"{name} has {values.size:,} values, but the grid has {count:,} cells: left out"
             )
     notes.append("a text grid has no time steps: no pressures or saturations")
-    unit = (texts.get("GRIDUNIT", "") or texts.get("UNITS", "") or "METRES").split()
+    unit = (texts.get("GRIDUNIT", "") or texts.get("UNITS", "")).split()
+    word = unit[0] if unit else None
     return build_grid(
         source,
         dimensions,
         arrays["COORD"],
         arrays["ZCORN"],
         active=active,
-        unit=unit[0],
-        unit_system="FIELD" if unit[0] == "FEET" else "METRIC",
+        unit=word,
+        unit_system="",
+        options=options,
         map_axes=None if "MAP" in unit[1:] else arrays.get("MAPAXES"),
-        map_unit=texts.get("MAPUNITS", unit[0]).split()[0],
+        map_unit=(texts.get("MAPUNITS", "").split() or [""])[0],
         statics=statics,
         notes=notes,
     )

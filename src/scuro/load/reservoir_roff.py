@@ -67,8 +67,9 @@ def read_roff(source: Source, options: LoadOptions) -> CornerPointGrid:
         (pillars + offset) * factor,
         zcorn,
         active=active,
-        unit="METRES",
-        unit_system="METRIC",
+        unit=None,
+        unit_system="",
+        options=options,
         map_axes=None,
         # elevations are negative underground, unless a scale of -1 turned them into depths
         depth_down=bool(np.median(zcorn) > 0),

@@ -236,11 +236,34 @@ class CornerPointGrid:
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) world box around the active cells, without exaggeration."""
-        low, high = np.full(3, np.inf), np.full(3, -np.inf)
-        cells = np.flatnonzero(self.active)
-        for part in np.array_split(cells, max(1, len(cells) // 500_000)):
-            points = self.to_world(self.corners(part).reshape(-1, 3))
-            low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
+        at, slope = self.pillar_lines()
+        used = self.active.any(axis=0)
+        j, i = np.nonzero(used)
+        points = []
+        # corners lie on straight pillars: the ends of each column bound what is between them
+        for ends in self.column_range:
+            for dj, di in np.ndindex(2, 2):
+                depth = ends[j, dj, i, di].astype(np.float64)[:, None]
+                place = at[j + dj, i + di] + slope[j + dj, i + di] * depth
+                points.append(self.to_world(np.concatenate([place, depth], axis=1)))
+        every = np.concatenate(points)
+        return np.stack([every.min(axis=0), every.max(axis=0)])
+
+    @cached_property
+    def column_range(self) -> NDArray[np.float32]:
+        """(2, nj, 2, ni, 2) least and greatest depth of each column's active cells, at its corners.
+
+        Columns without active cells have infinity and minus infinity.
+        """
+        ni, nj, nk = self.dimensions
+        low = np.full((nj, 2, ni, 2), np.inf, np.float32)
+        high = np.full((nj, 2, ni, 2), -np.inf, np.float32)
+        # layer by layer: what is worked on stays in the processor's caches
+        for k in range(nk):
+            active = self.active[k].repeat(2, axis=0).repeat(2, axis=1).reshape(low.shape)
+            top, bottom = self.zcorn[k]
+            np.minimum(low, np.where(active, np.minimum(top, bottom), np.inf), out=low)
+            np.maximum(high, np.where(active, np.maximum(top, bottom), -np.inf), out=high)
         return np.stack([low, high])
 
     @cached_property

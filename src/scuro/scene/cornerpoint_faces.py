@@ -58,20 +58,22 @@ def fault_faces(grid: CornerPointGrid, chosen: NDArray, exaggeration: float) -> 
 
 
 def _bare(grid: CornerPointGrid, chosen: NDArray) -> Iterator[tuple[int, NDArray]]:
+    split = {axis: split_faces(grid, name) for axis, name in enumerate(_AXES)}
     for number, (axis, end, _) in enumerate(_FACES):
         covered = np.zeros(chosen.shape, bool)
         own, other = _sides(axis, end)
-        covered[own] = chosen[other] & ~split_faces(grid, _AXES[axis])
+        covered[own] = chosen[other] & ~split[axis]
         yield number, chosen & ~covered
 
 
 def _displaced(grid: CornerPointGrid, chosen: NDArray) -> Iterator[tuple[int, NDArray]]:
+    split = {axis: split_faces(grid, _AXES[axis]) for axis in (1, 2)}
     for number, (axis, end, _) in enumerate(_FACES):
         if axis == 0:
             continue
         apart = np.zeros(chosen.shape, bool)
         own, other = _sides(axis, end)
-        apart[own] = chosen[other] & split_faces(grid, _AXES[axis])
+        apart[own] = chosen[other] & split[axis]
         yield number, chosen & apart
 
 

@@ -53,14 +53,20 @@ def split_faces(
         (nk, nj, ni - 1) for axis ``i``, (nk, nj - 1, ni) for ``j``, (nk - 1, nj, ni) for ``k``.
     """
     z = grid.zcorn
-    if axis == "i":
-        apart = np.abs(z[..., :-1, 1] - z[..., 1:, 0])
-        return (apart > tolerance).any(axis=(1, 3))
-    if axis == "j":
-        apart = np.abs(z[:, :, :-1, 1] - z[:, :, 1:, 0])
-        return (apart > tolerance).any(axis=(1, 4))
-    apart = np.abs(z[:-1, 1] - z[1:, 0])
-    return (apart > tolerance).any(axis=(2, 4))
+    nk, nj, ni = grid.active.shape
+    ends = {"i": (nk, nj, ni - 1), "j": (nk, nj - 1, ni), "k": (nk - 1, nj, ni)}[axis]
+    split = np.zeros(ends, bool)
+    # layer by layer: what is worked on stays in the processor's caches
+    for k in range(ends[0]):
+        for a, b in np.ndindex(2, 2):
+            if axis == "i":
+                apart = z[k, a, :, b, :-1, 1] - z[k, a, :, b, 1:, 0]
+            elif axis == "j":
+                apart = z[k, a, :-1, 1, :, b] - z[k, a, 1:, 0, :, b]
+            else:
+                apart = z[k, 1, :, a, :, b] - z[k + 1, 0, :, a, :, b]
+            split[k] |= np.abs(apart) > tolerance
+    return split
 
 
 def vertex_values(

@@ -223,6 +223,11 @@ class MesoscaleModel:
             return np.zeros((2, 3))
         return np.stack([np.min(boxes, axis=0), np.max(boxes, axis=0)])
 
+    @property
+    def compartments(self) -> int:
+        """Inner nodes of the tree below the root."""
+        return sum(bool(node.children) for depth, node in self.tree.walk() if depth)
+
     @cached_property
     def tree(self) -> Node:
         """The hierarchy from the root to the ingredients."""
@@ -257,6 +262,7 @@ class MesoscaleModel:
             "atoms": self.atoms,
             "stored_atoms": self.stored_atoms,
             "ingredients": len(self.ingredients),
+            "compartments": self.compartments,
             "fibres": sum(len(i.curves) for i in self.ingredients),
             "bounds": np.round(self.bounds, 2).tolist(),
             "hierarchy": self.outline(),

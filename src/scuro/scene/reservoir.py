@@ -25,6 +25,7 @@ class ReservoirItem:
     grid: CornerPointGrid
     settings: ReservoirSettings = field(default_factory=ReservoirSettings)
     _bodies: dict[Any, list[Body]] = field(default_factory=dict, repr=False)
+    _outline: tuple[Any, NDArray[np.float64]] | None = field(default=None, repr=False)
 
     @property
     def exaggeration(self) -> float:
@@ -42,8 +43,18 @@ class ReservoirItem:
 
     @property
     def outline(self) -> NDArray[np.float64]:
-        """(n, 3) world points that bound the active cells: the ends of active columns."""
-        return _outline(self.grid, self.exaggeration)
+        """(n, 3) world points that bound the cells that are seen: the ends of each column's.
+
+        All active cells where none is seen; no points where surfaces alone are.
+        """
+        from scuro.style.reservoir_extent import seen_cells
+
+        key = (self.settings, self.show)
+        if self._outline is None or self._outline[0] != key:
+            seen = seen_cells(self)
+            points = _ends(self.grid, seen, self.exaggeration) if seen is not None else _NOWHERE
+            self._outline = (key, points)
+        return self._outline[1]
 
     @property
     def shown_property(self) -> str:
@@ -100,12 +111,16 @@ def _fitting_exaggeration(grid: CornerPointGrid) -> float:
     return float(max(1, round(wanted)))
 
 
-@lru_cache(maxsize=4)
-def _outline(grid: CornerPointGrid, exaggeration: float) -> NDArray[np.float64]:
-    used = grid.active.any(axis=0)
-    nk = grid.active.shape[0]
-    first, last = grid.active.argmax(axis=0), nk - 1 - grid.active[::-1].argmax(axis=0)
+_NOWHERE = np.zeros((0, 3))
+_MOST_COLUMNS = 20_000
+
+
+def _ends(grid: CornerPointGrid, seen: NDArray, exaggeration: float) -> NDArray[np.float64]:
+    """World corners (n, 3) of the first and last cell of each column among those of a mask."""
+    used = seen.any(axis=0)
+    nk = seen.shape[0]
+    first, last = seen.argmax(axis=0), nk - 1 - seen[::-1].argmax(axis=0)
     columns = np.flatnonzero(used)
-    columns = columns[:: max(1, len(columns) // 20_000)]
+    columns = columns[:: max(1, len(columns) // _MOST_COLUMNS)]
     ends = [layer.ravel()[columns] * used.size + columns for layer in (first, last)]
     return grid.to_world(grid.corners(np.concatenate(ends)), exaggeration).reshape(-1, 3)

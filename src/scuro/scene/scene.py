@@ -57,6 +57,15 @@ class MoleculeItem:
         self._bodies = kept
         return found
 
+    @property
+    def atoms(self) -> int:
+        """Atoms with all their copies in the biological assembly."""
+        molecule = self.molecule
+        if self.assembly is None:
+            return len(molecule)
+        parts = molecule.assemblies.get(self.assembly, ())
+        return sum(len(p.rotations) * int(np.isin(molecule.chain, p.chains).sum()) for p in parts)
+
     def divided(self, parts: str = "") -> list[Divided]:
         """The bodies with their division into a tree of parts, chains and residues."""
         from scuro.scene.selection_tree import divisions, parse_tree

@@ -49,7 +49,7 @@ def reservoir_bodies(item: ReservoirItem) -> list[Body]:
     bodies = []
     passing = chosen
     if item.show == "slices":
-        chosen = chosen & _layers(item)
+        chosen = chosen & layers_mask(item)
     if item.show in ("cells", "slices"):
         faces = outer_faces(grid, chosen, e)
         bodies.append(_body(_quads(faces, _cell_colors(item, faces.cells)), f"{name} cells"))
@@ -81,7 +81,8 @@ def _diagonal(item: ReservoirItem) -> float:
     return float(np.linalg.norm(high - low))
 
 
-def _layers(item: ReservoirItem) -> NDArray[np.bool_]:
+def layers_mask(item: ReservoirItem) -> NDArray[np.bool_]:
+    """(nk, nj, ni) cells of the layers that ``slices`` names, the middle one by default."""
     ni, nj, nk = item.grid.dimensions
     wanted = parse_slices(item.settings.slices) or [(2, (nk + 1) // 2)]
     mask = np.zeros((nk, nj, ni), bool)

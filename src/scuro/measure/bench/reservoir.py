@@ -139,6 +139,7 @@ def _large(renderer: Renderer, options: BenchOptions) -> list[dict[str, Any]]:
         reading = time.perf_counter() - start
     scene = Scene().add(grid)
     settings = unlit(options, reservoir__property="DEPTH")
+    scene.show_reservoirs(settings.reservoir)
     start = time.perf_counter()
     camera = view_camera(scene, ViewSettings(), options.size[0] / options.size[1])
     _draw(renderer, scene, camera, settings)

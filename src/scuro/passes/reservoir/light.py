@@ -15,7 +15,7 @@ from scuro.passes.reservoir.model import ReservoirModel, texture_bytes
 from scuro.passes.reservoir.resample import Resampled, cubic_size
 from scuro.passes.reservoir.settings import StrategySettings
 from scuro.passes.volume.classify import Classified
-from scuro.passes.volume.draw import VolumePicture
+from scuro.passes.volume.draw import VolumePicture, frozen
 from scuro.passes.volume.light import BRICK, LightTexture
 from scuro.passes.volume.pyramid import Pyramid
 from scuro.passes.volume.settings import VolumeSettings
@@ -50,6 +50,8 @@ class ReservoirLight:
         self.volume = Volume(data, matrix)
         self.picture = VolumePicture(model.gpu, self.volume, model.center)
         self._texture: LightTexture | None = None
+        self._made_of: Any = None
+        """What the light in the texture depends on."""
         self._pyramid: Pyramid | None = None
         self._marks: Any = None
         self._transfer: tuple[Any, TransferFunction] | None = None
@@ -94,15 +96,23 @@ class ReservoirLight:
     ) -> Any:  # fmt: skip
         """Record the light's texture: visibility, and the shadows of three lights.
 
-        Surfaces in the scene stand in the cones' way, too.
+        Surfaces in the scene stand in the cones' way, too. It is object space's: nothing is made
+        anew while neither the lights move nor, for occlusion toward it, the eye.
         """
         settings = light_settings(frame.settings.volume, strategy)
         picture = self.picture
-        classified, pyramid = self.coefficients(settings, shown, clip, scene.bodies())
+        bodies = scene.bodies()
+        view, lights = frame.resources["view"], self._lights(frame, scene, strategy)
+        eye = np.asarray(view["scene_from_view"])[:, 2 if view["orthographic"] else 3]
+        made_of = (settings, shown, clip, tuple(bodies), frozen(lights) if strategy.shadow else 0,
+                   frozen(eye) if strategy.occlusion else 0)  # fmt: skip
+        if self._texture is not None and self._made_of == made_of:
+            return self._texture.texture
+        classified, pyramid = self.coefficients(settings, shown, clip, bodies)
         resources = {
             **classified.resources(),
-            "view": frame.resources["view"],
-            "lights": self._lights(frame, scene, strategy),
+            "view": view,
+            "lights": lights,
             "volume": picture.uniform(settings, clip, classified),
             **picture.cones(settings, pyramid, clip),
         }
@@ -112,6 +122,7 @@ class ReservoirLight:
         self._texture.make(
             frame.recorder, resources, settings, frame.size, {"ISOSURFACE": False}, self._marks
         )
+        self._made_of = made_of
         return self._texture.texture
 
     def draw_on_surfaces(

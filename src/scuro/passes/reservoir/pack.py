@@ -89,14 +89,11 @@ class PackedReservoir:
         ni, nj, _ = grid.dimensions
         low = np.full((nj + 1, ni + 1), np.inf)
         high = np.full((nj + 1, ni + 1), -np.inf)
-        active = grid.active
+        lowest, highest = grid.column_range
         for dj, di in RING:
             at = (slice(dj, nj + dj), slice(di, ni + di))
-            top, bottom = grid.zcorn[:, 0, :, dj, :, di], grid.zcorn[:, 1, :, dj, :, di]
-            lowest = np.where(active, np.minimum(top, bottom), np.inf).min(axis=0)
-            highest = np.where(active, np.maximum(top, bottom), -np.inf).max(axis=0)
-            low[at] = np.minimum(low[at], lowest)
-            high[at] = np.maximum(high[at], highest)
+            low[at] = np.minimum(low[at], lowest[:, dj, :, di])
+            high[at] = np.maximum(high[at], highest[:, dj, :, di])
         empty = ~np.isfinite(low)
         low[empty], high[empty] = 0, 1
         step = np.maximum(high - low, 1e-3) / STEPS
@@ -150,9 +147,8 @@ class PackedReservoir:
     @cached_property
     def corner_heights(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Lowest and highest z of every column's cells in scene space, (nj · ni,); empty: inf."""
-        active = self.grid.active
-        top = np.where(active, self.grid.zcorn.min(axis=(1, 3, 5)), np.inf).min(axis=0)
-        bottom = np.where(active, self.grid.zcorn.max(axis=(1, 3, 5)), -np.inf).max(axis=0)
+        lowest, highest = self.grid.column_range
+        top, bottom = lowest.min(axis=(1, 3)), highest.max(axis=(1, 3))
         scale, shift = -self.exaggeration, -self.center[2]
         return (
             (bottom.ravel() * scale + shift).astype(np.float32),
@@ -253,9 +249,12 @@ def _overlap(corners: NDArray, item: NDArray, middle: NDArray, half: NDArray) ->
 
 def _gaps(grid: CornerPointGrid) -> NDArray[np.int32]:
     """(nk - 1,) 1 where some cell's bottom is not the top of the next, beside an active cell."""
-    beside = grid.active[1:] | grid.active[:-1]
-    apart = (np.abs(grid.zcorn[1:, 0] - grid.zcorn[:-1, 1]) > THIN).any(axis=(2, 4))
-    return (beside & apart).any(axis=(1, 2)).astype(np.int32)
+    gaps = np.zeros(grid.dimensions[2] - 1, np.int32)
+    for k in range(len(gaps)):
+        beside = grid.active[k, :, None, :, None] | grid.active[k + 1, :, None, :, None]
+        apart = np.abs(grid.zcorn[k + 1, 0] - grid.zcorn[k, 1]) > THIN
+        gaps[k] = (beside & apart).any()
+    return gaps
 
 
 def _sample(active: NDArray, most: int = 200_000) -> NDArray[np.int64]:

@@ -164,7 +164,7 @@ class VolumePicture(BuiltVolume):
         }
         same = (
             settings.replace(samples=1), transfer, clip, solids, resources["surface"],
-            _frozen(resources["view"]), _frozen(resources["lights"]),
+            frozen(resources["view"]), frozen(resources["lights"]),
         )  # fmt: skip
         return March(record, settings, classified, size, resources, constants, same)
 
@@ -214,10 +214,10 @@ class VolumePicture(BuiltVolume):
         return self.gpu.texture((1, 1, 1), "rgba16float", dimension="3d")
 
 
-def _frozen(value: Any) -> Any:
+def frozen(value: Any) -> Any:
     """A uniform's fields as something that can be compared."""
     if isinstance(value, Mapping):
-        return tuple((key, _frozen(part)) for key, part in value.items())
+        return tuple((key, frozen(part)) for key, part in value.items())
     if isinstance(value, list):
-        return tuple(map(_frozen, value))
+        return tuple(map(frozen, value))
     return np.asarray(value).tobytes()
