@@ -8,7 +8,7 @@ SAMPLES = 16
 
 
 def main() -> None:
-    scene = scuro.load("sample:1hpv", waters=False)
+    scene = scuro.load("sample:1hpv")
     truth = scuro.render(scene, size=SIZE, renderer="path", path__samples=SAMPLES, path__bounces=1)
     quick = scuro.render(scene, size=SIZE)
     scores = score(quick.pixels[..., :3] / 255, truth.pixels[..., :3] / 255)

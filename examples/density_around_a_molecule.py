@@ -28,7 +28,7 @@ def electron_density(molecule: Molecule) -> Volume:
 
 
 def main() -> None:
-    scene = scuro.load("sample:1hpv", waters=False)
+    scene = scuro.load("sample:1hpv")
     scene.add(electron_density(scene.molecules[0].molecule))
     scene.show("licorice", color="chain+element", clipped=False)
     middle = tuple(scene.bounds().mean(axis=0).tolist())

@@ -6,7 +6,7 @@ SIZE = (640, 480)
 
 
 def main() -> None:
-    scene = scuro.load("sample:1tii", waters=False)
+    scene = scuro.load("sample:1tii")
     scuro.render(scene, size=SIZE).save("first_picture.png", dpi=150)
 
 

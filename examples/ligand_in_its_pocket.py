@@ -7,7 +7,7 @@ SIZE = (640, 480)
 
 
 def main() -> None:
-    scene = scuro.load("sample:1hpv", waters=False)
+    scene = scuro.load("sample:1hpv")
     scene.show("cartoon", select="polymer", color="chain")
     scene.show("licorice", select="organic")
     scene.show("spacefill", select="polymer within 5 of organic", color="white", opacity=0.25)

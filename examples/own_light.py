@@ -6,7 +6,7 @@ SIZE = (640, 480)
 
 
 def main() -> None:
-    scene = scuro.load("sample:1tii", waters=False).show(color="white")
+    scene = scuro.load("sample:1tii").show(color="white")
     (left, _, _), (_, _, front) = scene.bounds()
     height = float(scene.bounds()[:, 1].mean())
     lamp = scuro.Light(

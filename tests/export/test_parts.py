@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 import OpenEXR
 import pytest
 import tifffile
 from PIL import Image
 
+from scuro import render_parts
 from scuro.app.cli import run
 from scuro.errors import SettingsError
 from scuro.export import looks
@@ -28,7 +27,7 @@ def small_parts(monkeypatch):
     edge = {"edge": 352}
     split = part.split
     monkeypatch.setattr(
-        sys.modules["scuro.render"], "split", lambda size, **options: split(size, **options | edge)
+        render_parts, "split", lambda size, **options: split(size, **options | edge)
     )
 
 

@@ -152,6 +152,14 @@ def test_radii_of_the_file_come_first(mixture):
     assert (atom_radii(replace(mixture, radius=own)) == own).all()
 
 
+def test_auto_paints_copies_of_one_chain_as_a_complex(mixture):
+    one = replace(mixture, kind=np.where(mixture.chain == 1, LIGAND, mixture.kind).astype(np.uint8))
+    auto = atom_colors(one, "auto", copies=60)
+    polymer = polymer_atoms(one)
+    assert (auto[polymer] == atom_colors(one, "chain")[polymer]).all()
+    assert (auto[~polymer] == atom_colors(one, "element")[~polymer]).all()
+
+
 def test_auto_shows_chains_of_a_complex_and_elements_of_all_else(mixture):
     auto, chains = atom_colors(mixture, "auto"), atom_colors(mixture, "chain")
     elements, polymer = atom_colors(mixture, "element"), polymer_atoms(mixture)

@@ -10,7 +10,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from scuro import Scene
 from scuro.errors import SettingsError
+from scuro.scene.molecule import ION, LIGAND, SOLVENT
 from scuro.style.selection import select
 
 # The atoms of the fixture, by index: MET 0-4, ALA 5-9, GLY 10-14, DA 15-18, HEM 19-21, SO4 22-23,
@@ -18,6 +20,8 @@ from scuro.style.selection import select
 CASES = {
     "all": range(26),
     "*": range(26),
+    "auto": range(25),
+    "auto and not protein": range(15, 25),
     "none": [],
     "chain A": range(15),
     "chain a": [],
@@ -171,3 +175,23 @@ def test_any_text_selects_or_complains(mixture, text):
         assert select(mixture, text).shape == (len(mixture),)
     except SettingsError as error:
         assert "\n" not in str(error).replace(text, "")
+
+
+def test_auto_leaves_out_the_bath_of_a_simulation_and_its_salt(mixture):
+    count = len(mixture)
+    kind = np.full(count, SOLVENT, mixture.kind.dtype)
+    kind[:5], kind[24:26] = LIGAND, ION
+    element = mixture.element.copy()
+    element[24:26] = 30, 17
+    bathed = replace(mixture, kind=kind, element=element)
+    assert np.flatnonzero(select(bathed, "auto")).tolist() == [0, 1, 2, 3, 4, 24]
+    assert Scene().add(bathed).molecules[0].left_out == 20
+    assert Scene().add(bathed).show(select="all").molecules[0].left_out == 0
+    only = replace(mixture, kind=np.full(count, SOLVENT, mixture.kind.dtype))
+    assert select(only, "auto").all()  # a box of water is about water
+
+
+def test_auto_keeps_water_where_there_is_no_polymer(mixture):
+    kind = np.full(len(mixture), LIGAND, mixture.kind.dtype)
+    kind[25] = SOLVENT
+    assert select(replace(mixture, kind=kind), "auto").all()

@@ -43,7 +43,14 @@ def print_table(table: Any) -> None:
 
 
 def tell_notes(scene: Scene) -> None:
-    """Say on standard error what readers mended or missed, of all data but molecules."""
+    """Say on standard error what readers mended or missed, and what is left out unasked."""
+    for item in scene.molecules:
+        if left_out := item.left_out:
+            click.echo(
+                f"{item.molecule.source or item.molecule.name}: {left_out:,} atoms of water "
+                "about it are left out; '--select all' shows them",
+                err=True,
+            )
     for item in scene.items:
         known = (getattr(item, kind, None) for kind in ("volume", "model", "grid"))
         data: Any = next((data for data in known if data is not None), None)

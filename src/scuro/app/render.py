@@ -82,8 +82,8 @@ def command(
     with stage(f"reading {', '.join(Path(line.path).name for line in document.input)}"):
         scene = document.scene()
         clock("load")
-    tell_notes(scene)
     renderer, camera = _prepare(document, scene, device, clock)
+    tell_notes(scene)
     note = document.as_dict(Path(output).parent)
     parts = len(renderer.parts(document.settings))
     if parts > 1 and (buffers or inspect):

@@ -52,7 +52,9 @@ class Show(SettingsGroup):
         "auto", "spacefill, ball+stick, licorice, backbone, cartoon, or auto: by content and size"
     )
     color: str = setting("auto", "color scheme, color name or #rrggbb")
-    select: str = setting("all", "which atoms, in PyMOL's words")
+    select: str = setting(
+        "auto", "which atoms, in PyMOL's words; auto is all but the water about it"
+    )
     opacity: float = setting(1.0, "1 is solid", low=0, high=1)
     optional: bool = setting(False, "leave it out where the selection matches nothing")
     sizes: Representation = Representation()

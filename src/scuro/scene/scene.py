@@ -28,7 +28,7 @@ class Shown:
     """One representation of some atoms of a molecule."""
 
     style: str = "auto"
-    select: str = "all"
+    select: str = "auto"
     color: str = "auto"
     material: Material = field(default_factory=Material)
     clipped: bool = True
@@ -66,6 +66,15 @@ class MoleculeItem:
         parts = molecule.assemblies.get(self.assembly, ())
         return sum(len(p.rotations) * int(np.isin(molecule.chain, p.chains).sum()) for p in parts)
 
+    @property
+    def left_out(self) -> int:
+        """Atoms of water and salt about the structure that no representation asks for."""
+        from scuro.style.bath import bath
+
+        if any(shown.select != "auto" for shown in self.shown):
+            return 0
+        return int(np.count_nonzero(bath(self.molecule)))
+
     def divided(self, parts: str = "") -> list[Divided]:
         """The bodies with their division into a tree of parts, chains and residues."""
         from scuro.scene.selection_tree import divisions, parse_tree
@@ -80,7 +89,9 @@ class MoleculeItem:
 
         molecule = self.molecule
         mask = select(molecule, shown.select)
-        colors = atom_colors(molecule, shown.color)
+        assembled = molecule.assemblies.get(self.assembly or "", ())
+        copies = sum(len(part.rotations) for part in assembled)
+        colors = atom_colors(molecule, shown.color, copies)
         options = Representation(**dict(shown.options))
         name = molecule.name
         if self.assembly is None:
@@ -185,7 +196,7 @@ class Scene:
         self,
         style: str = "auto",
         *,
-        select: str = "all",
+        select: str = "auto",
         color: str = "auto",
         material: Material | None = None,
         opacity: float | None = None,
@@ -197,7 +208,7 @@ class Scene:
 
         Args:
             style: ``spacefill``, ``ball+stick``, ``licorice``, ``backbone``, ``cartoon``, ``auto``.
-            select: Which atoms, in PyMOL's words.
+            select: Which atoms, in PyMOL's words; by default all but the water about it.
             color: Colour scheme, colour name or hex.
             material: How the surface answers light.
             opacity: 1 is solid; the material's own by default.

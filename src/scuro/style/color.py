@@ -23,6 +23,7 @@ from scuro.style.color_by import (
     CARBON,
     UNKNOWN_ELEMENT,
     by_chain,
+    by_complex,
     by_content,
     by_cpk,
     by_element,
@@ -37,12 +38,20 @@ from scuro.style.color_by import (
 )
 
 
-def atom_colors(molecule: Molecule, scheme: str = "auto") -> NDArray[np.uint8]:
+def atom_colors(molecule: Molecule, scheme: str = "auto", copies: int = 1) -> NDArray[np.uint8]:
     """Base colour (n, 4) of every atom, sRGB with full alpha, by a scheme (see the module).
+
+    Args:
+        molecule: n atoms.
+        scheme: As users write it.
+        copies: How often a biological assembly places parts of the molecule: ``auto`` paints a
+            complex of several like one of several chains.
 
     Raises:
         SettingsError: The scheme, the colour or the colour map is not known.
     """
+    if copies > 1 and scheme.strip().lower() == "auto":
+        scheme = "complex"
     wanted = parse_scheme(scheme)
     rgb = wanted.paint(molecule)
     if wanted.hetero_by_element:
@@ -134,6 +143,7 @@ VALUES: dict[str, _Quantity] = {
 
 CATEGORIES: dict[str, Callable[[Molecule], NDArray[np.uint8]]] = {
     "auto": by_content,
+    "complex": by_complex,
     "element": by_element,
     "cpk": by_cpk,
     "chain": by_chain,

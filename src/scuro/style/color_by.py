@@ -49,9 +49,15 @@ def by_content(molecule: Molecule) -> NDArray[np.uint8]:
     A polymer alone keeps its chain's colour on carbon; ligands, ions and waters show elements.
     """
     polymer = polymer_atoms(molecule)
-    several = len(np.unique(molecule.chain[polymer])) > 1
-    by_chains = polymer & (several | (molecule.element == CARBON))
-    return np.where(by_chains[:, None], by_chain(molecule), by_element(molecule))
+    if len(np.unique(molecule.chain[polymer])) > 1:
+        return by_complex(molecule)
+    carbon = polymer & (molecule.element == CARBON)
+    return np.where(carbon[:, None], by_chain(molecule), by_element(molecule))
+
+
+def by_complex(molecule: Molecule) -> NDArray[np.uint8]:
+    """Chains of polymers; elements of ligands, ions and waters."""
+    return np.where(polymer_atoms(molecule)[:, None], by_chain(molecule), by_element(molecule))
 
 
 def by_secondary(molecule: Molecule) -> NDArray[np.uint8]:

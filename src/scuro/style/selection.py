@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
 from scuro.scene.molecule import Molecule
+from scuro.style.bath import bath
 from scuro.style.selection_words import BY, FLAGS, NUMBERS, POSTFIX, PROPERTIES, WITHIN, macro
 
 if TYPE_CHECKING:
@@ -28,13 +29,15 @@ Mask = NDArray[np.bool_]
 
 
 def select(molecule: Molecule, text: str) -> Mask:
-    """Which atoms (n,) a selection takes.
+    """Which atoms (n,) a selection takes; ``auto`` is all but water about it.
 
     Raises:
         SettingsError: The text is not a selection; names the column and what was expected there.
     """
     if text.strip().lower() in ("all", "*"):
         return np.ones(len(molecule), bool)
+    if text.strip().lower() == "auto":
+        return ~bath(molecule)
     try:
         return _evaluate(_parse(text), molecule, text)
     except RecursionError:

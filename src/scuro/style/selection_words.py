@@ -25,6 +25,7 @@ from scuro.scene.molecule import (
     STRAND,
     Molecule,
 )
+from scuro.style.bath import bath
 from scuro.style.elements import METALS, NUMBER_OF
 
 Mask = NDArray[np.bool_]
@@ -174,6 +175,7 @@ def _with_carbon(m: Molecule) -> Mask:
 
 _FLAGS: dict[tuple[str, ...], Callable[[Molecule], Mask]] = {
     ("all", "*"): lambda m: np.ones(len(m), bool),
+    ("auto",): lambda m: ~bath(m),
     ("none",): lambda m: np.zeros(len(m), bool),
     ("polymer", "pol."): polymer,
     ("protein", "polymer.protein"): lambda m: m.kind == POLYMER_PROTEIN,
