@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
+import time
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -38,7 +39,8 @@ from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.lights import DIRECTIONAL
 from scuro.scene.scene import Scene
-from scuro.trace import Accelerator, build_accelerator
+from scuro.steps import finished
+from scuro.trace import Accelerator, build_in_steps
 
 
 @dataclass
@@ -50,6 +52,11 @@ class _Built:
     bounds: Any = None
     """(2, 3) world box of the scene it was built for."""
 
+    def holds(self, bodies: tuple[Any, ...], bounds: Any) -> bool:
+        """Whether it is of these bodies."""
+        # without bodies the middle of the scene is still the origin of all that is drawn
+        return bodies == self.bodies and (bool(bodies) or np.array_equal(bounds, self.bounds))
+
 
 class Renderer:
     """Draws scenes on one GPU and keeps between frames what did not change.
@@ -58,6 +65,9 @@ class Renderer:
         device: Adapter number or part of its name; the best one by default.
         gpu: An open GPU to share instead.
     """
+
+    patience = 0.03
+    """Seconds for which :meth:`prepare` builds before its caller has a turn."""
 
     def __init__(self, device: str | None = None, *, gpu: Gpu | None = None) -> None:
         self.gpu = gpu or Gpu(device)
@@ -72,17 +82,24 @@ class Renderer:
 
     def accelerator(self, scene: Scene) -> Accelerator:
         """The scene's acceleration structure, rebuilt only if a body was replaced."""
-        bodies = tuple(scene.bodies())
-        built = self._built
+        return finished(self.accelerator_in_steps(scene))
+
+    def accelerator_in_steps(self, scene: Scene) -> Generator[float, None, Accelerator]:
+        """The same in short steps; the one that was there stays until the new one is whole."""
+        bodies, built = tuple(scene.bodies()), self._built
         bounds = scene.bounds()
-        # without bodies the middle of the scene is still the origin of all that is drawn
-        moved = not bodies and not np.array_equal(bounds, built.bounds)
-        if built.accelerator is None or bodies != built.bodies or moved:
-            built.accelerator = build_accelerator(
-                self.gpu, bodies, bounds.mean(axis=0), bounds=bounds
-            )
-            built.bodies, built.bounds = bodies, bounds
+        if built.accelerator is None or not built.holds(bodies, bounds):
+            center = bounds.mean(axis=0)
+            made = yield from build_in_steps(self.gpu, bodies, center, bounds=bounds)
+            built.accelerator, built.bodies, built.bounds = made, bodies, bounds
         return built.accelerator
+
+    def holds(self, scene: Scene) -> bool:
+        """Whether a frame of the scene needs no new acceleration structure."""
+        built = self._built
+        if built.accelerator is None:
+            return False
+        return built.holds(tuple(scene.bodies()), scene.bounds())
 
     def restart(self) -> None:
         """Forget what earlier frames of the same picture gathered."""
@@ -150,6 +167,13 @@ class Renderer:
         Yields:
             The share of a part of the work that is done; nothing if all is there.
         """
+        scene.show_reservoirs(settings.reservoir)
+        begun = time.perf_counter()
+        for share in self.accelerator_in_steps(scene):
+            self.gpu.finish()  # a step is not done when it is submitted
+            if time.perf_counter() - begun > self.patience:
+                yield share
+                begun = time.perf_counter()
         part = self.parts(settings)[0]
         frame = self._begun(scene, camera, with_implied(settings), part)
         if frame.settings.renderer != "path" and frame.settings.semantic.mode == "off":

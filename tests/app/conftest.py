@@ -23,3 +23,9 @@ def clock():
 @pytest.fixture(scope="module")
 def renderer():
     return Renderer()
+
+
+@pytest.fixture(autouse=True)
+def _whole_builds(monkeypatch):
+    """The tables of a scene are built in one slice, however busy the machine is."""
+    monkeypatch.setattr(Renderer, "patience", 60.0)

@@ -10,6 +10,8 @@ from scuro.load.trajectory import LEAP, open_trajectory
 from scuro.probe.probe import ProbeSettings
 from scuro.render_settings import Settings
 from scuro.scene.clip import Cut
+from scuro.scene.geometry import Body, Geometry
+from scuro.scene.scene import Scene
 from scuro.viewer.jobs import Jobs, in_thread
 from scuro.viewer.model import Model
 from scuro.viewer.saving import FilmSettings, Saving
@@ -460,3 +462,53 @@ def test_the_cell_under_the_pointer_is_the_first_that_is_shown(show):
     assert depth == pytest.approx(float(top[2] - centers[third][2]), rel=1e-6)
     assert cell_at(item, Clip(), camera, pixel, size)[2] < depth
     assert cell_at(item, Clip(), camera, (1, 1), size) is None
+
+
+def balls(count):
+    """Many spheres: building their tables takes many steps."""
+    rng = np.random.default_rng(count)
+    spheres = np.float32(
+        np.hstack([rng.random((count, 3)) * count ** (1 / 3), np.ones((count, 1))])
+    )
+    geometry = Geometry(spheres, np.full((count, 4), 200, np.uint8), np.arange(count, dtype="i4"))
+    return Body(geometry)
+
+
+def built_slowly(renderer, clock, monkeypatch):
+    """A view of some spheres, whose scene is then replaced by others; every step is seen."""
+    monkeypatch.setattr(type(renderer), "patience", 0.0)
+    model = Model(SceneFile(settings=Settings(background="white")), Scene())
+    model.scene.extra_bodies = [balls(50)]
+    view = View(model, renderer.sibling(), SIZE, clock)
+    rest(view, clock)
+    model.scene.extra_bodies = [balls(3000)]
+    model.tell()
+    return view
+
+
+def test_what_is_traced_is_built_in_steps_behind_the_picture_before(renderer, clock, monkeypatch):
+    view = built_slowly(renderer, clock, monkeypatch)
+    before, shares = view.drawn, []
+    for _ in range(500):
+        view.draw()
+        if view.built is None:
+            break
+        assert view.drawn is before and not view.drawable
+        shares.append(view.built)
+    assert len(shares) > 10 and shares == sorted(shares)
+    expected = renderer.render(view.model.scene, view.camera, view.full_settings)
+    assert (pixels(rest(view, clock)) == expected.pixels).all()
+
+
+def test_building_what_is_traced_can_be_cancelled(renderer, clock, monkeypatch):
+    view = built_slowly(renderer, clock, monkeypatch)
+    before = view.drawn
+    view.draw()
+    view.stop()
+    assert view.complete and view.wait is None and view.draw() is before
+    assert view.status == "stopped before it was built"
+    view.move(view.camera.orbited(20, 0))
+    assert view.wait == 0.0 and view.status.startswith("refining")
+    view.draw()
+    assert view.status.startswith("building")
+    assert rest(view, clock) is not before and view.share == 1

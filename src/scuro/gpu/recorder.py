@@ -170,6 +170,16 @@ class Recorder:
             (width, height, depth if planes is None else planes),
         )
 
+    def copy_buffer_to_rows(self, buffer: Any, texture: Any, first: int) -> None:
+        """Copy a buffer of whole rows into those of a table of 32-bit texels from ``first`` on."""
+        row = 4 * texture.size[0]
+        height = buffer.size // row
+        self._encoder.copy_buffer_to_texture(
+            {"buffer": buffer, "offset": 0, "bytes_per_row": row, "rows_per_image": height},
+            {"texture": texture, "mip_level": 0, "origin": (0, first, 0)},
+            (texture.size[0], height, 1),
+        )
+
     def clear_texture(self, texture: Any, value: tuple[float, float, float, float]) -> None:
         """Fill a texture that render passes may draw into."""
         self._encoder.begin_render_pass(

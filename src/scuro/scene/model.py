@@ -283,8 +283,6 @@ class MesoscaleModel:
         """One body for each part, and one for each piece of a curve; made once.
 
         The atom ids of a body number the atoms of its structure; a tube's ids number its curve.
-        Structures are shifted to the middle of their box, so that a sphere about the local origin
-        bounds every instance tightly.
         """
         return tuple(d.body for d in self.divided)
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.scene.geometry import Body, Geometry, Material, turned
+from scuro.scene.geometry import Body, Geometry, Material
 from scuro.scene.model import Ingredient, MesoscaleModel, Structure
 from scuro.scene.regions import Divided, Division
 
@@ -23,8 +21,7 @@ def divided_bodies(model: MesoscaleModel) -> tuple[Divided, ...]:
     """One body for each part, and one for each piece of a curve, in the tree's order.
 
     The atom ids of a body number the atoms of its structure; a tube's ids number its curve.
-    Structures are shifted to the middle of their box, so that a sphere about the local origin
-    bounds every instance tightly.
+    Nothing is copied: millions of instances are kept once, in the model.
     """
     made = []
     prefixes = (i.path[:k] for i in model.ingredients for k in range(1, len(i.path) + 1))
@@ -38,11 +35,10 @@ def divided_bodies(model: MesoscaleModel) -> tuple[Divided, ...]:
         for part in ingredient.parts:
             if len(part) == 0 or len(part.structure) == 0:
                 continue
-            geometry, middle = _geometry(part.structure, ingredient.color)
-            positions = part.positions + turned(part.rotations, middle)
+            geometry = _geometry(part.structure, ingredient.color)
             rotations = np.asarray(part.rotations, np.float32)
             frames = ingredient.frames
-            body = Body(geometry, rotations, positions, name, path, MATTE, frames=frames)
+            body = Body(geometry, rotations, part.positions, name, path, MATTE, frames=frames)
             chains = Division("chain", part.structure.chain, part.structure.chain_names)
             made.append(Divided(body, (chains,), painted=True))
         for number, curve in enumerate(ingredient.curves):
@@ -54,31 +50,24 @@ def divided_bodies(model: MesoscaleModel) -> tuple[Divided, ...]:
     return tuple(made)
 
 
-def _geometry(
-    structure: Structure, color: tuple[int, int, int]
-) -> tuple[Geometry, NDArray[np.float64]]:
-    """The structure's spheres about the middle of their box, and that middle."""
-    spheres = structure.spheres
-    low = (spheres[:, :3] - spheres[:, 3:]).min(axis=0)
-    high = (spheres[:, :3] + spheres[:, 3:]).max(axis=0)
-    middle = (low.astype(np.float64) + high) / 2
-    centered = spheres.copy()
-    centered[:, :3] -= middle.astype(np.float32)
-    full = Geometry(
-        spheres=centered,
-        sphere_colors=_repeated(color, len(spheres)),
-        sphere_ids=np.arange(len(spheres), dtype=np.int32),
-    )
-    shift = np.append(middle, 0).astype(np.float32)
+def _geometry(structure: Structure, color: tuple[int, int, int]) -> Geometry:
+    """The structure's spheres and its coarser levels in one colour."""
+    full, *coarser = structure.levels
+    ids = np.arange(len(structure), dtype=np.int32)
     levels = tuple(
         Geometry(
-            spheres=level.spheres - shift,
+            spheres=level.spheres,
             sphere_colors=_repeated(color, len(level.spheres)),
             sphere_ids=level.member_of_each,
         )
-        for level in structure.levels[1:]
+        for level in coarser
     )
-    return replace(full, levels=levels), middle
+    return Geometry(
+        spheres=full.spheres,
+        sphere_colors=_repeated(color, len(structure)),
+        sphere_ids=ids,
+        levels=levels,
+    )
 
 
 def _repeated(color: tuple[int, int, int], count: int) -> NDArray[np.uint8]:

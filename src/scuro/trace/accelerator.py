@@ -1,13 +1,11 @@
 """The acceleration structure: uniform grids over primitives, under one over instances.
 
-All grids of a scene are built together on the GPU (a counting sort in three kernels, see
-``build.wgsl``); only the prefix sum between them is numpy's. A geometry that several bodies share
-is kept once.
+A geometry that several bodies share is kept once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,17 +16,11 @@ from scuro.gpu import Gpu
 from scuro.scene.camera import Camera
 from scuro.scene.clip import MAX_PLANES, Clip
 from scuro.scene.geometry import Body
-from scuro.trace.grids import (
-    GRID,
-    GridPlan,
-    Growth,
-    build_grids,
-    joined,
-    plan_grids,
-    weighted_median,
-)
+from scuro.steps import finished, scaled
+from scuro.trace.build import build_grids
+from scuro.trace.grids import GRID, GridPlan, Growth, joined, plan_grids, weighted_median
 from scuro.trace.objects import object_table
-from scuro.trace.pack import PackedGeometry, pack_geometry
+from scuro.trace.pack import PackedGeometry, pack_in_steps
 from scuro.trace.placement import Placement, place
 from scuro.trace.table import float_table, table, table_bytes
 
@@ -107,50 +99,58 @@ class Accelerator:
             placement = place(self.bodies, self.center, self.packed)
             plan = plan_grids(self.bodies, self.packed, placement, self.center, growth)
             objects = object_table(self.bodies, self.packed, plan, placement)
-            spheres = placement.spheres.copy()
-            # by as much as the objects' own spheres have grown
-            spheres[:, 3] += self._reach(plan, placement)
-            top = _top(objects, plan, placement)
-            resources = build_grids(gpu, plan, self.resources["slots"], spheres)
+            found = build_grids(gpu, plan, self.resources["slots"], self.resources["instances"])
+            resources = finished(found)
             resources["objects"] = table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects")
-            resources["scene"] = {"top": {name: top[name] for name in GRID.names or ()}}
+            resources["scene"] = {
+                "top": _top(objects, plan, placement),
+                "reach": plan.farthest,
+                "refs_from": resources.pop("refs_from"),
+            }
             self._grown = (growth, resources)
         return self._grown[1]
-
-    def _reach(self, plan: GridPlan, placement: Placement) -> NDArray[np.float64]:
-        """How far the solids of each row of the instance table are listed beyond their surfaces."""
-        reach = [plan.reach[id(b.geometry)] for b in self.bodies]
-        reach += [max(reach[i] for i in a.bodies) for a in placement.assemblies]
-        return np.asarray([*reach, 0.0])[placement.instances["object"]]
 
 
 def build_accelerator(
     gpu: Gpu, bodies: Sequence[Body], center: NDArray, *, bounds: NDArray | None = None
 ) -> Accelerator:
-    """Upload bodies and build their grids.
+    """Upload bodies and build their grids, all at once: see :func:`build_in_steps`."""
+    return finished(build_in_steps(gpu, bodies, center, bounds=bounds))
+
+
+def build_in_steps(
+    gpu: Gpu, bodies: Sequence[Body], center: NDArray, *, bounds: NDArray | None = None
+) -> Generator[float, None, Accelerator]:
+    """Upload bodies and build their grids, in steps of some hundredths of a second.
 
     Args:
-        gpu: Where to.
+        gpu: Where to. Steps are handed to it without waiting for their end.
         bodies: What is to be traced; empty ones are allowed.
         center: World position that becomes the origin of scene space.
         bounds: (2, 3) world box of the whole scene, other data included; the bodies' by default.
+
+    Yields:
+        The share that is done.
     """
-    packed = _packed_with_levels(bodies)
+    packed = yield from scaled(_packed_with_levels(bodies), 0.0, 0.4)
     placement = place(bodies, center, packed)
-    instances = placement.instances
     slots = joined([p.slots for p in packed.values()], (0, 4), np.float32)
     attributes = joined([p.attributes for p in packed.values()], (0, 4), np.uint32)
     slot_table = float_table(gpu, slots, "primitives")
     plan = plan_grids(bodies, packed, placement, center)
     objects = object_table(bodies, packed, plan, placement)
-    top = _top(objects, plan, placement)
     resources = {
         "slots": slot_table,
         "attributes": table(gpu, attributes, "attributes"),
-        "instances": table(gpu, instances.view(np.uint32).reshape(-1, 4), "instances"),
         "objects": table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects"),
-        **build_grids(gpu, plan, slot_table, placement.spheres),
     }
+    del slots, attributes
+    yield 0.45
+    instances = yield from scaled(placement.upload(gpu), 0.45, 0.5)
+    grids = yield from scaled(build_grids(gpu, plan, slot_table, instances), 0.5, 1.0)
+    refs_from = grids.pop("refs_from")
+    resources |= {"instances": instances, **grids}
+    single = placement.single
     clusters, runs = _clusters(bodies, packed, placement)
     resources["clusters"] = gpu.buffer(clusters, label="clusters")
     if bounds is None:
@@ -176,7 +176,7 @@ def build_accelerator(
         constants={
             "HAS_RODS": any(p.has_rods for p in packed.values()),
             "HAS_TRIANGLES": any(p.has_triangles for p in packed.values()),
-            "HAS_TOP_LEVEL": not placement.single,
+            "HAS_TOP_LEVEL": placement.single is None,
             "HAS_OPACITY": any(b.material.opacity < 1 for b in bodies),
             "HAS_NESTING": bool(placement.assemblies),
             "HAS_LEVELS": any(b.geometry.levels for b in bodies),
@@ -192,34 +192,46 @@ def build_accelerator(
         packed=packed,
         first_slots=plan.first_slots,
         cluster_runs=runs,
-        whole_runs=_runs(placement.listed[0]),
-        frame_run=(len(instances) - placement.frames, placement.frames),
+        whole_runs=placement.listed[0],
+        frame_run=(len(placement) - placement.frames, placement.frames),
         scene={
-            "top": {name: top[name] for name in GRID.names or ()},
-            "rotation": instances[0]["rotation"] if len(instances) else (0, 0, 0, 1),
-            "center": instances[0]["center"] if len(instances) else (0, 0, 0),
+            "top": _top(objects, plan, placement),
+            "rotation": (0, 0, 0, 1) if single is None else single.rotations[0],
+            "center": (0, 0, 0) if single is None else single.centers(0, 1)[0],
             "extent": extent,
             "primitive_radius": primitive_radius,
             "eye": (0.0, 0.0, 0.0),
             "detail_slope": 0.0,
             "detail_floor": 0.0,
+            "instances": len(placement),
+            "reach": plan.farthest,
+            "refs_from": refs_from,
         },
     )
 
 
-def _top(objects: NDArray, plan: GridPlan, placement: Placement) -> Any:
+def _top(objects: NDArray, plan: GridPlan, placement: Placement) -> dict[str, Any]:
     """The grid where rays start: a single instance needs none above its own."""
-    if placement.single:
-        return objects[int(placement.instances[0]["object"])]["grid"]
-    return plan.grids[0]
+    single = placement.single
+    top = plan.grids[0] if single is None else objects[single.number]["grid"]
+    return {name: top[name] for name in GRID.names or ()}
 
 
-def _packed_with_levels(bodies: Sequence[Body]) -> dict[int, PackedGeometry]:
+def _packed_with_levels(
+    bodies: Sequence[Body],
+) -> Generator[float, None, dict[int, PackedGeometry]]:
     """All geometries and their levels, by ``id``; a geometry's radius holds its levels too."""
     packed: dict[int, PackedGeometry] = {}
-    for geometry in {id(b.geometry): b.geometry for b in bodies}.values():
-        full = pack_geometry(geometry)
-        levels = {id(level): pack_geometry(level, full.middle) for level in geometry.levels}
+    geometries = list({id(b.geometry): b.geometry for b in bodies}.values())
+    total = max(1, sum(len(geometry) for geometry in geometries))
+    done = 0
+    for geometry in geometries:
+        share = len(geometry) / total
+        full = yield from scaled(pack_in_steps(geometry), done / total, done / total + share)
+        done += len(geometry)
+        levels = {
+            id(level): finished(pack_in_steps(level, full.middle)) for level in geometry.levels
+        }
         radius = max([full.radius, *(p.radius for p in levels.values())])
         packed[id(geometry)] = replace(full, radius=radius)
         packed |= levels
@@ -241,12 +253,6 @@ def _clusters(
             tables.append(clusters)
             total += len(clusters)
         if len(clusters) and len(body.positions) and body.frames is None:
-            runs.append((placement.rows[index], len(body.positions), firsts[key], len(clusters)))
+            row = placement.runs[index].first
+            runs.append((row, len(body.positions), firsts[key], len(clusters)))
     return np.concatenate(tables), tuple(runs)
-
-
-def _runs(rows: NDArray[np.int64]) -> tuple[tuple[int, int], ...]:
-    """Ascending rows as runs (first, number) without gaps."""
-    starts = np.flatnonzero(np.diff(rows, prepend=-2) != 1)
-    lengths = np.diff(np.append(starts, len(rows)))
-    return tuple((int(rows[s]), int(n)) for s, n in zip(starts, lengths, strict=True))

@@ -1,28 +1,29 @@
-// Building all grids of a scene at once: count, then (after a prefix sum) fill, then sort.
-// One thread a primitive in `count` and `fill`, one a cell in `finish`. Sorting makes the lists,
-// and with them every picture, independent of the order in which threads ran.
+// Sorting primitives, or instances, into the cells of their grids: count, then (after a prefix sum)
+// fill, then sort. One thread an item in `count` and `fill`, one a cell in `finish`. Sorting makes the
+// lists, and with them every picture, independent of the order in which threads ran.
 
 //#include "scene_types.wgsl"
 
 struct Build {
-    primitives: u32,
-    cells: u32,
-    // grids before this are over instances
-    over: u32,
-    // first primitive or cell of this dispatch: one dispatch is limited to 65535 workgroups
+    // threads of this dispatch
+    count: u32,
+    // its first instance or cell
     first: u32,
+    // the grid of its instances
+    grid: u32,
+    // number of the entry that the first reference is of
+    base: u32,
     // radii r of solids count as factor r + margin; triangles are not solid
     factor: f32,
     margin: f32,
 }
 
 @group(0) @binding(0) var<uniform> build: Build;
-// a primitive (kind and slot, or an instance) and the number of its grid
+// a primitive (kind and slot) and the number of its grid
 @group(0) @binding(1) var<storage, read> items: array<vec2u>;
 @group(0) @binding(2) var<storage, read> grids: array<Grid>;
 @group(0) @binding(3) var slots: texture_2d<f32>;
-// bounding spheres of the instances, for the grid over them
-@group(0) @binding(4) var<storage, read> bounds: array<vec4f>;
+@group(0) @binding(4) var instances: texture_2d<u32>;
 @group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> cells: array<u32>;
 @group(0) @binding(7) var<storage, read_write> refs: array<u32>;
@@ -42,35 +43,28 @@ struct Extent {
     plane: vec4f,
 }
 
-fn extent_of(item: vec2u) -> Extent {
+fn extent_of(primitive: u32) -> Extent {
     var e: Extent;
-    if (item.y < build.over) {
-        let sphere = bounds[item.x];
-        e.a = sphere.xyz;
-        e.b = e.a;
-        e.radius = sphere.w;
-    } else {
-        let slot = slot_of(item.x);
-        let first = slot_at(slot);
-        e.a = first.xyz;
-        e.b = e.a;
-        e.radius = first.w * build.factor + build.margin;
-        let kind = kind_of(item.x);
-        if (kind == TRIANGLE) {
-            e.b = slot_at(slot + 1u).xyz;
-            let c = slot_at(slot + 2u).xyz;
-            let normal = cross(e.b - e.a, c - e.a);
-            e.radius = 0.0;
-            e.plane = vec4f(normal, -dot(normal, e.a));
-            e.low = min(e.a, min(e.b, c));
-            e.high = max(e.a, max(e.b, c));
-            return e;
-        }
-        if (kind != SPHERE) {
-            let second = slot_at(slot + 1u);
-            e.b = second.xyz;
-            e.radius = max(first.w, second.w) * build.factor + build.margin;
-        }
+    let slot = slot_of(primitive);
+    let first = slot_at(slot);
+    e.a = first.xyz;
+    e.b = e.a;
+    e.radius = first.w * build.factor + build.margin;
+    let kind = kind_of(primitive);
+    if (kind == TRIANGLE) {
+        e.b = slot_at(slot + 1u).xyz;
+        let c = slot_at(slot + 2u).xyz;
+        let normal = cross(e.b - e.a, c - e.a);
+        e.radius = 0.0;
+        e.plane = vec4f(normal, -dot(normal, e.a));
+        e.low = min(e.a, min(e.b, c));
+        e.high = max(e.a, max(e.b, c));
+        return e;
+    }
+    if (kind != SPHERE) {
+        let second = slot_at(slot + 1u);
+        e.b = second.xyz;
+        e.radius = max(first.w, second.w) * build.factor + build.margin;
     }
     e.low = min(e.a, e.b) - e.radius;
     e.high = max(e.a, e.b) + e.radius;
@@ -109,10 +103,8 @@ fn cell_range(e: Extent, grid: Grid) -> Range {
     );
 }
 
-fn visit(index: u32, filling: bool) {
-    let item = items[index];
-    let grid = grids[item.y];
-    let extent = extent_of(item);
+// Count an item in all cells that it may touch, or write it there.
+fn visit(item: u32, extent: Extent, grid: Grid, filling: bool) {
     let range = cell_range(extent, grid);
     for (var z = range.low.z; z <= range.high.z; z += 1) {
         for (var y = range.low.y; y <= range.high.y; y += 1) {
@@ -124,7 +116,7 @@ fn visit(index: u32, filling: bool) {
                 let cell = grid.cells + u32(x) + grid.dims.x * (u32(y) + grid.dims.y * u32(z));
                 if (filling) {
                     let place = atomicAdd(&counts[cell], 1u);
-                    refs[cells[cell] + place] = item.x;
+                    refs[cells[cell] - build.base + place] = item;
                 } else {
                     atomicAdd(&counts[cell], 1u);
                 }
@@ -133,35 +125,61 @@ fn visit(index: u32, filling: bool) {
     }
 }
 
-@compute @workgroup_size(64)
-fn count(@builtin(global_invocation_id) id: vec3u) {
-    let index = build.first + id.x;
-    if (index < build.primitives) {
-        visit(index, false);
+fn visit_primitive(index: u32, filling: bool) {
+    if (index < build.count) {
+        let item = items[index];
+        visit(item.x, extent_of(item.x), grids[item.y], filling);
     }
+}
+
+fn visit_instance(index: u32, filling: bool) {
+    let row = build.first + index;
+    let texel = textureLoad(instances, table_place(row), 0);
+    if (index >= build.count || radius_of(texel.w) == 0.0) {
+        return;
+    }
+    var e: Extent;
+    e.a = bitcast<vec3f>(texel.xyz);
+    e.b = e.a;
+    // as far as anything in it is listed
+    e.radius = radius_of(texel.w) + build.margin;
+    e.low = e.a - e.radius;
+    e.high = e.a + e.radius;
+    visit(row, e, grids[build.grid], filling);
+}
+
+@compute @workgroup_size(64)
+fn count_primitives(@builtin(global_invocation_id) id: vec3u) {
+    visit_primitive(id.x, false);
 }
 
 // `cells` holds the prefix sum and `counts` is zero again
 @compute @workgroup_size(64)
-fn fill(@builtin(global_invocation_id) id: vec3u) {
-    let index = build.first + id.x;
-    if (index < build.primitives) {
-        visit(index, true);
-    }
+fn fill_primitives(@builtin(global_invocation_id) id: vec3u) {
+    visit_primitive(id.x, true);
+}
+
+@compute @workgroup_size(64)
+fn count_instances(@builtin(global_invocation_id) id: vec3u) {
+    visit_instance(id.x, false);
+}
+
+@compute @workgroup_size(64)
+fn fill_instances(@builtin(global_invocation_id) id: vec3u) {
+    visit_instance(id.x, true);
 }
 
 @compute @workgroup_size(64)
 fn finish(@builtin(global_invocation_id) id: vec3u) {
     let cell = build.first + id.x;
-    if (cell >= build.cells) {
+    if (id.x >= build.count) {
         return;
     }
     let length = atomicLoad(&counts[cell]);
-    let first = cells[cell];
     if (length == 0u) {
-        cells[cell] = EMPTY_CELL;
         return;
     }
+    let first = cells[cell] - build.base;
     for (var i = first + 1u; i < first + length; i += 1u) {
         let moving = refs[i];
         var j = i;

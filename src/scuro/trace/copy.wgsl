@@ -8,8 +8,6 @@ struct Copying {
     cells: u32,
     // cells and entries
     total: u32,
-    // entries before this are instances, of grids over them
-    top: u32,
 }
 
 @group(0) @binding(0) var<uniform> copying: Copying;
@@ -17,8 +15,8 @@ struct Copying {
 @group(0) @binding(2) var<storage, read> cells: array<u32>;
 @group(0) @binding(3) var<storage, read> refs: array<u32>;
 @group(0) @binding(4) var walked: texture_storage_2d<rgba32uint, write>;
-// bounding spheres of the instances
-@group(0) @binding(5) var<storage, read> bounds: array<vec4f>;
+// how many entries each cell has
+@group(0) @binding(5) var<storage, read> counts: array<u32>;
 // bins of directions in which nothing lies ahead of a cell
 @group(0) @binding(6) var<storage, read> clear: array<u32>;
 
@@ -31,18 +29,13 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var texel: vec4u;
     if (index < copying.cells) {
         // where the list begins, whether it is empty, and which way nothing lies
-        let first = cells[index];
-        texel = vec4u(first, select(0u, 1u, first == EMPTY_CELL), clear[index], 0u);
+        let empty = counts[index] == 0u;
+        texel = vec4u(select(cells[index], EMPTY_CELL, empty), select(0u, 1u, empty), clear[index], 0u);
     } else {
-        let reference = refs[index];
+        let reference = refs[index - copying.cells];
         let primitive = reference & ~LAST_OF_CELL;
         let last = (reference & LAST_OF_CELL) != 0u;
-        if (index < copying.top) {
-            // an instance's bounding sphere; of nothing at all, the sign must still show
-            let bound = bounds[primitive];
-            texel = bitcast<vec4u>(vec4f(bound.xyz, max(bound.w, 1e-30)));
-            texel.w |= select(0u, 0x80000000u, last);
-        } else if (kind_of(primitive) == SPHERE) {
+        if (kind_of(primitive) == SPHERE) {
             // a sphere whole; radius negative for the last of a cell
             texel = bitcast<vec4u>(textureLoad(slots, table_place(slot_of(primitive)), 0));
             texel.w |= select(0u, 0x80000000u, last);

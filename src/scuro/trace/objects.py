@@ -57,7 +57,7 @@ def object_table(
         objects[index] = _object(body, packed[key], plan.grids[plan.grid_of[key]])
         objects[index]["radius"] += plan.reach[key]
         objects[index]["number"] = placement.numbers[index]
-        objects[index]["row"] = placement.rows[index]
+        objects[index]["row"] = placement.runs[index].first
         objects[index]["copies"] = len(body.positions)
         found = placement.of_body[index]
         objects[index]["frame"] = NO_FRAME if found is None else placement.assemblies[found].row

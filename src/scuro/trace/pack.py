@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import weakref
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scuro.scene.geometry import Geometry
+from scuro.steps import finished, scaled
 
 SPHERE, ROD, CONE, TRIANGLE = (np.uint32(k << 29) for k in range(4))
 NO_PRIMITIVE = 0xFFFFFFFF
@@ -50,19 +52,29 @@ _packed: weakref.WeakKeyDictionary[Geometry, PackedGeometry] = weakref.WeakKeyDi
 
 
 def pack_geometry(geometry: Geometry, middle: NDArray[np.float32] | None = None) -> PackedGeometry:
-    """A geometry packed for the GPU; the same geometry is packed once.
+    """A geometry packed for the GPU, all at once: see :func:`pack_in_steps`."""
+    return finished(pack_in_steps(geometry, middle))
+
+
+def pack_in_steps(
+    geometry: Geometry, middle: NDArray[np.float32] | None = None
+) -> Generator[float, None, PackedGeometry]:
+    """A geometry packed for the GPU, in steps; the same geometry is packed once.
 
     ``middle`` (3,) is taken off all coordinates: that of the box by default, that of the full
     geometry for its coarser levels.
     """
     found = _packed.get(geometry)
     if found is None:
-        found = _packed[geometry] = _pack(geometry, middle)
+        found = _packed[geometry] = yield from _pack(geometry, middle)
     return found
 
 
-def _pack(geometry: Geometry, middle: NDArray[np.float32] | None) -> PackedGeometry:
+def _pack(
+    geometry: Geometry, middle: NDArray[np.float32] | None
+) -> Generator[float, None, PackedGeometry]:
     low, high = geometry.bounds
+    yield 0.05
     if middle is None:
         middle = ((low.astype(np.float64) + high) / 2).astype(np.float32)
     count = len(geometry)
@@ -70,23 +82,31 @@ def _pack(geometry: Geometry, middle: NDArray[np.float32] | None) -> PackedGeome
     median = float(np.median(radii)) if len(radii) else 0.0
     cell, dims = _cells(geometry, low, high, median, count * CELLS_A_PRIMITIVE)
     origin = low - middle - 0.5 * (dims * cell - (high - low))
-
-    def order(points: NDArray) -> tuple[NDArray[np.intp], NDArray[np.uint32]]:
-        codes = morton(((points - low) / cell).astype(np.uint32))
-        along = np.argsort(codes, kind="stable")
-        return along, codes[along]
+    yield 0.1
 
     # spheres, then rods, then triangles, each along the curve
-    s, s_codes = order(geometry.spheres[:, :3])
-    r, r_codes = order(geometry.rods[:, :, :3].mean(axis=1))
-    t, t_codes = order(geometry.triangles.mean(axis=1))
-    spheres, rods, triangles = geometry.spheres[s], geometry.rods[r], geometry.triangles[t]
-    slots = np.zeros((len(s) + 2 * len(r) + 3 * len(t), 4), np.float32)
+    middles = (
+        geometry.spheres[:, :3],
+        geometry.rods[:, :, :3].mean(axis=1),
+        geometry.triangles.mean(axis=1),
+    )
+    orders, codes = [], []
+    for number, points in enumerate(middles):
+        found = morton(((points - low) / cell).astype(np.uint32))
+        yield 0.1 + 0.15 * number
+        along = yield from scaled(_order(found), 0.1 + 0.15 * number, 0.25 + 0.15 * number)
+        orders.append(along)
+        codes.append(found[along])
+    s, r, t = orders
     rod_at, triangle_at = len(s), len(s) + 2 * len(r)
-    slots[:rod_at] = spheres
+    slots = np.zeros((triangle_at + 3 * len(t), 4), np.float32)
+    rods = geometry.rods[r]
+    slots[:rod_at] = geometry.spheres[s]
     slots[rod_at:triangle_at] = rods.reshape(-1, 4)
-    slots[triangle_at:, :3] = triangles.reshape(-1, 3)
+    slots[triangle_at:, :3] = geometry.triangles[t].reshape(-1, 3)
+    yield 0.6
     slots[:, :3] -= middle
+    yield 0.65
 
     attributes = np.zeros((len(slots), 4), np.uint32)
     attributes[:, 0] = np.concatenate(
@@ -99,10 +119,12 @@ def _pack(geometry: Geometry, middle: NDArray[np.float32] | None) -> PackedGeome
             geometry.triangle_colors[t].reshape(-1, 4),
         ]
     )
+    yield 0.7
     # three halves and nothing: linear colour needs no power function when a pixel is shaded
-    halves = np.zeros((len(slots), 4), np.float16)
-    halves[:, :3] = _LINEAR[colors[:, :3]]
-    attributes[:, 1:3] = halves.view(np.uint32)
+    halves = attributes[:, 1:3].view(np.float16)
+    for channel in range(3):
+        halves[:, channel] = _LINEAR[colors[:, channel]]
+        yield 0.72 + 0.03 * channel
     if len(t):
         attributes[triangle_at:, 3] = octahedral(geometry.triangle_normals[t].reshape(-1, 3))
 
@@ -114,27 +136,41 @@ def _pack(geometry: Geometry, middle: NDArray[np.float32] | None) -> PackedGeome
             (triangle_at + 3 * np.arange(len(t), dtype=np.uint32)) | TRIANGLE,
         ]
     )
-    corners = np.linalg.norm(slots[:, :3], axis=1) + slots[:, 3]
+    yield 0.85
+    corners = np.sqrt(np.einsum("ij,ij->i", slots[:, :3], slots[:, :3])) + slots[:, 3]
+    radius = float(corners.max()) * 1.00001 if len(corners) else 0.0
+    yield 0.9
+    pieces = (slots[:rod_at, None], slots[rod_at:triangle_at].reshape(-1, 2, 4),
+              slots[triangle_at:].reshape(-1, 3, 4))  # fmt: skip
+    clusters = []
+    for number, (piece, sorted_codes) in enumerate(zip(pieces, codes, strict=True)):
+        clusters.append(_clusters(piece, sorted_codes))
+        yield 0.93 + 0.02 * number
     return PackedGeometry(
         slots=slots,
         attributes=attributes,
         primitives=primitives,
         middle=middle,
-        radius=float(corners.max()) * 1.00001 if len(corners) else 0.0,
+        radius=radius,
         origin=origin.astype(np.float32),
         cell=cell,
         dims=dims,
-        clusters=np.concatenate(
-            [
-                _clusters(slots[:rod_at, None], s_codes),
-                _clusters(slots[rod_at:triangle_at].reshape(-1, 2, 4), r_codes),
-                _clusters(slots[triangle_at:].reshape(-1, 3, 4), t_codes),
-            ]
-        ),
+        clusters=np.concatenate(clusters),
         median_radius=median,
         has_rods=len(r) > 0,
         has_triangles=len(t) > 0,
     )
+
+
+def _order(codes: NDArray[np.uint32]) -> Generator[float, None, NDArray[np.intp]]:
+    """What sorts codes stably: by their lower halves, then by their upper ones.
+
+    numpy sorts 16 bits by counting, several times as fast as 32 by comparing.
+    """
+    lower = np.argsort(codes.astype(np.uint16), kind="stable")
+    yield 0.5
+    upper = (codes >> np.uint32(16)).astype(np.uint16)[lower]
+    return lower[np.argsort(upper, kind="stable")]
 
 
 def _clusters(points: NDArray[np.float32], codes: NDArray[np.uint32]) -> NDArray[np.float32]:

@@ -7,18 +7,54 @@ middle of its box, and are listed by the assembly's grid; all others by the grid
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import GpuError
+from scuro.gpu import Gpu
 from scuro.scene.geometry import Body, Frames, turned
+from scuro.trace.instances import place_words, turn_words
 from scuro.trace.pack import PackedGeometry
+from scuro.trace.table import empty_table, fill_table
 
-INSTANCE = np.dtype([("rotation", np.float32, 4), ("center", np.float32, 3), ("object", np.uint32)])
-"""``Instance`` of wgsl/scene.wgsl: 32 bytes."""
+SLICE = 1 << 17
+"""So many instances are put into the table in one step."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """Rows of the instance table that belong to one object."""
+
+    first: int
+    """Its first row."""
+    rotations: NDArray[np.float32]
+    """(k, 4) unit quaternions."""
+    positions: NDArray[np.float64]
+    """(k, 3)"""
+    middle: NDArray
+    """(3,) of the object's box, in its own space: there lies the bounding sphere's centre."""
+    origin: NDArray[np.float64]
+    """(3,) what is taken off the positions."""
+    number: int
+    """Of the object."""
+    radius: float
+    """Of the bounding sphere; 0 if there is nothing in it."""
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def centers(self, start: int, stop: int) -> NDArray[np.float64]:
+        """Of the bounding spheres of some of its rows."""
+        turn = turned(self.rotations[start:stop], self.middle)
+        return self.positions[start:stop] + turn - self.origin
+
+    def slices(self) -> Iterable[tuple[int, int]]:
+        """Starts and ends that divide it into steps of work."""
+        return ((s, min(s + SLICE, len(self))) for s in range(0, len(self), SLICE))
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,23 +73,24 @@ class Assembly:
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """The instance table of a scene."""
+    """What the instance table of a scene holds."""
 
-    instances: NDArray
-    """INSTANCE records."""
-    spheres: NDArray[np.float32]
-    """(n, 4) bounding sphere of each row, in the space of its position."""
-    rows: tuple[int, ...]
-    """First row of each body's instances."""
+    runs: tuple[Run, ...]
+    """Of bodies, then of assemblies' frames."""
     numbers: tuple[int, ...]
     """Number of each body's first instance in the G-buffer: instances within frames count."""
-    listed: tuple[NDArray[np.int64], ...]
-    """Rows that each grid over instances lists: that over the scene, then one an assembly."""
+    listed: tuple[tuple[tuple[int, int], ...], ...]
+    """For each grid over instances (that over the scene, then one an assembly) the runs of rows
+    that it lists: first and number."""
     assemblies: tuple[Assembly, ...]
     of_body: tuple[int | None, ...]
     """For each body its assembly."""
     opaque: bool
     """Whether all bodies are."""
+
+    def __len__(self) -> int:
+        """Rows of the table."""
+        return sum(len(run) for run in self.runs)
 
     @property
     def frames(self) -> int:
@@ -61,9 +98,35 @@ class Placement:
         return sum(len(a.frames.positions) for a in self.assemblies)
 
     @property
-    def single(self) -> bool:
-        """Whether all is one opaque instance of one body."""
-        return len(self.instances) == 1 and self.opaque
+    def single(self) -> Run | None:
+        """The only run, if all is one opaque instance of one body."""
+        if len(self) != 1 or not self.opaque:
+            return None
+        return next(run for run in self.runs if len(run))
+
+    def upload(self, gpu: Gpu) -> Generator[float, None, Any]:
+        """Put the instance table of wgsl/scene.wgsl on the GPU, slice by slice."""
+        count = len(self)
+        table = empty_table(gpu, count + -(-count // 2), "rgba32uint", "instances")
+        done = 0
+        # rotations lie two a texel: an odd one waits for its neighbour
+        waiting = np.zeros((0, 2), np.uint32)
+        for run in self.runs:
+            for start, stop in run.slices():
+                words = place_words(run.centers(start, stop), run.number, run.radius)
+                fill_table(gpu, table, done, words)
+                turns = np.concatenate([waiting, turn_words(run.rotations[start:stop])])
+                even = len(turns) // 2 * 2
+                fill_table(
+                    gpu, table, count + (done - len(waiting)) // 2, turns[:even].reshape(-1, 4)
+                )
+                waiting = turns[even:]
+                done += stop - start
+                yield done / count
+        if len(waiting):
+            last = np.concatenate([waiting, np.zeros((1, 2), np.uint32)])
+            fill_table(gpu, table, count + done // 2, last.reshape(-1, 4))
+        return table
 
 
 def place(bodies: Sequence[Body], center: NDArray, packed: dict[int, PackedGeometry]) -> Placement:
@@ -83,60 +146,61 @@ def place(bodies: Sequence[Body], center: NDArray, packed: dict[int, PackedGeome
             f"{numbers[-1]:,} instances are more than can be numbered (4,294,967,294): "
             "place fewer assemblies, or show less of each"
         )
-    shared = [bodies[group[0]].frames for group in groups.values()]
-    frames = sum(len(f.positions) for f in shared if f is not None)
-    table = np.zeros(rows[-1] + frames, INSTANCE)
-    spheres = np.zeros((len(table), 4), np.float32)
-    assemblies: list[Assembly] = []
+    origin = np.asarray(center, np.float64)
+    origins = [origin] * len(bodies)
     of_body: list[int | None] = [None] * len(bodies)
-    next_row = int(rows[-1])
-    middles = [np.asarray(center, np.float64)] * len(bodies)
     for number, group in enumerate(groups.values()):
         boxes = [bodies[i].own_bounds for i in group if len(bodies[i].geometry)]
         low = np.min([b[0] for b in boxes], 0) if boxes else np.zeros(3)
         high = np.max([b[1] for b in boxes], 0) if boxes else np.zeros(3)
         for i in group:
-            of_body[i], middles[i] = number, (low + high) / 2
-        found = bodies[group[0]].frames
-        assert found is not None
-        assemblies.append(Assembly(found, tuple(group), (low + high) / 2, next_row, 0.0))
-        next_row += len(found.positions)
+            of_body[i], origins[i] = number, (low + high) / 2
+    runs = []
     for index, body in enumerate(bodies):
         p = packed[id(body.geometry)]
-        run = slice(rows[index], rows[index + 1])
-        table[run]["rotation"] = body.rotations
-        table[run]["center"] = body.positions + turned(body.rotations, p.middle) - middles[index]
-        table[run]["object"] = index
-        spheres[run, :3] = table[run]["center"]
-        spheres[run, 3] = p.radius if len(p.primitives) else 0
+        radius = p.radius if len(p.primitives) else 0.0
+        runs.append(
+            Run(int(rows[index]), body.rotations, body.positions, p.middle, origins[index],
+                index, radius)
+        )  # fmt: skip
     # an assembly that is placed nowhere is listed nowhere
-    alone = [i for i, body in enumerate(bodies) if body.frames is None]
-    listed = [[np.arange(rows[i], rows[i + 1]) for i in alone]]
-    for number, assembly in enumerate(assemblies):
-        inside = [np.arange(rows[i], rows[i + 1]) for i in assembly.bodies]
-        own = spheres[np.concatenate(inside)].astype(np.float64)
-        radius = float((np.linalg.norm(own[:, :3], axis=1) + own[:, 3]).max()) * 1.00001
-        assemblies[number] = Assembly(
-            assembly.frames, assembly.bodies, assembly.middle, assembly.row, radius
-        )
-        run = slice(assembly.row, assembly.row + len(assembly.frames.positions))
-        table[run]["rotation"] = assembly.frames.rotations
-        table[run]["center"] = (
-            assembly.frames.positions + turned(assembly.frames.rotations, assembly.middle) - center
-        )
-        table[run]["object"] = len(bodies) + number
-        spheres[run, :3] = table[run]["center"]
-        spheres[run, 3] = radius
-        listed[0].append(np.arange(run.start, run.stop))
+    listed = [[runs[i] for i, body in enumerate(bodies) if body.frames is None]]
+    assemblies: list[Assembly] = []
+    next_row = int(rows[-1])
+    for number, group in enumerate(groups.values()):
+        frames, middle = bodies[group[0]].frames, origins[group[0]]
+        assert frames is not None
+        inside = [runs[i] for i in group]
+        radius = max((_reach(run) for run in inside), default=0.0) * 1.00001
+        assemblies.append(Assembly(frames, tuple(group), middle, next_row, radius))
+        run = Run(next_row, frames.rotations, frames.positions, middle, origin,
+                  len(bodies) + number, radius)  # fmt: skip
+        runs.append(run)
+        listed[0].append(run)
         listed.append(inside)
-    none = np.zeros(0, np.int64)
+        next_row += len(run)
     return Placement(
-        table,
-        spheres,
-        tuple(int(r) for r in rows[:-1]),
+        tuple(runs),
         tuple(int(n) for n in numbers[:-1]),
-        tuple(np.concatenate([none, *parts]) for parts in listed),
+        tuple(_rows(found) for found in listed),
         tuple(assemblies),
         tuple(of_body),
         all(body.material.opacity == 1 for body in bodies),
     )
+
+
+def _reach(run: Run) -> float:
+    """How far from its origin the bounding spheres of a run reach."""
+    far = (np.linalg.norm(run.centers(*s), axis=1).max() for s in run.slices())
+    return float(max(far, default=0.0)) + run.radius
+
+
+def _rows(runs: Iterable[Run]) -> tuple[tuple[int, int], ...]:
+    """Runs of rows (first, number) that are not empty, those that adjoin joined."""
+    found: list[tuple[int, int]] = []
+    for run in runs:
+        if len(run) and found and sum(found[-1]) == run.first:
+            found[-1] = (found[-1][0], found[-1][1] + len(run))
+        elif len(run):
+            found.append((run.first, len(run)))
+    return tuple(found)

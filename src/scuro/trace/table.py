@@ -6,6 +6,7 @@ buffer, a random one 41 and 87 ns.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -33,14 +34,21 @@ def empty_table(gpu: Gpu, count: int, format: str, what: str) -> Any:
     return gpu.texture((WIDTH if rows > 1 else max(1, count), rows), format, label=what)
 
 
+def fill_table(gpu: Gpu, texture: Any, first: int, data: NDArray) -> None:
+    """Write the entries from ``first`` on."""
+    done = 0
+    while done < len(data):
+        row, column = divmod(first + done, WIDTH)
+        rows = (len(data) - done) // WIDTH if column == 0 else 0
+        count = rows * WIDTH or min(len(data) - done, WIDTH - column)
+        block = data[done : done + count].reshape(max(rows, 1), -1, data.shape[1])
+        gpu.write_texture(texture, block, origin=(column, row, 0))
+        done += count
+
+
 def _filled(gpu: Gpu, data: NDArray, format: str, what: str) -> Any:
     texture = empty_table(gpu, len(data), format, what)
-    whole = len(data) // WIDTH
-    if whole:
-        gpu.write_texture(texture, data[: whole * WIDTH].reshape(whole, WIDTH, -1))
-    rest = data[whole * WIDTH :]
-    if len(rest):
-        gpu.write_texture(texture, rest.reshape(1, len(rest), -1), origin=(0, whole, 0))
+    fill_table(gpu, texture, 0, data)
     return texture
 
 
@@ -55,15 +63,18 @@ def float_table(gpu: Gpu, data: NDArray[np.float32], what: str) -> Any:
 
 
 def padded_bytes(count: int) -> int:
-    """Size of a buffer of so many integers that :func:`table_from_buffer` can copy."""
+    """Size of a buffer of so many integers that :func:`table_from_buffers` can copy."""
     return 4 * WIDTH * max(1, -(-count // WIDTH))
 
 
-def table_from_buffer(gpu: Gpu, buffer: Any, count: int) -> Any:
-    """A table of one integer an entry, from a buffer of :func:`padded_bytes`."""
-    texture = gpu.texture((WIDTH, _rows(gpu, count, "grid entries")), "r32uint", label="grid")
+def table_from_buffers(gpu: Gpu, buffers: Sequence[Any]) -> Any:
+    """A table of one integer an entry, from buffers of :func:`padded_bytes`, one after another."""
+    rows = [buffer.size // (4 * WIDTH) for buffer in buffers]
+    texture = gpu.texture((WIDTH, _rows(gpu, sum(rows) * WIDTH, "grid entries")), "r32uint",
+                          label="grid")  # fmt: skip
     recorder = gpu.recorder()
-    recorder.copy_buffer_to_texture(buffer, texture)
+    for buffer, first in zip(buffers, np.cumsum([0, *rows]), strict=False):
+        recorder.copy_buffer_to_rows(buffer, texture, int(first))
     recorder.submit()
     return texture
 
@@ -71,4 +82,4 @@ def table_from_buffer(gpu: Gpu, buffer: Any, count: int) -> Any:
 def table_bytes(texture: Any) -> int:
     """GPU memory of a table."""
     width, height, _ = texture.size
-    return width * height * (4 if texture.format == "r32uint" else 16)
+    return int(width) * int(height) * (4 if texture.format == "r32uint" else 16)

@@ -148,7 +148,8 @@ class Screen:
     def _tick(self) -> None:
         """Do what time brings."""
         self.probing.tick()
-        self.model.player.tick()
+        if self.view.drawable:
+            self.model.player.tick()  # not before the frame at hand is seen
         if not self.view.moving:
             self.panel.jobs.tick()
 

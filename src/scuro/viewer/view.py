@@ -80,6 +80,8 @@ class View:
         self.stopped = False
         """Whether a person stopped the work on the full picture; until the next change."""
         self._bare = False
+        self._left = False
+        """Whether building was stopped so early that the last picture has to stay."""
         self._prepare()
         self.refresh()
         model.watch(self)
@@ -93,6 +95,8 @@ class View:
 
     def refresh(self) -> None:
         """The picture is out of date: draw anew, from the roughest step."""
+        if self._left:
+            self._prepare()
         target = plain(self.full_settings) if self._bare else self.full_settings
         self._steps, self._step = steps(target), None
         self.share = 0.0
@@ -103,14 +107,18 @@ class View:
         """Something may have to be built first; pictures are plain until it is."""
         scene = self.model.dressed(self.camera)
         self._work = self.renderer.prepare(scene, self.camera, self.full_settings)
-        self._bare, self.built = False, None
+        self._bare, self._left, self.built = False, False, None
 
     def stop(self) -> None:
         """Leave the picture as it is: cancel what is being built, or refine it no more."""
         if self._work is not None:
-            self._work, self.built, self._bare = None, None, True
-            self.refresh()
-            return
+            self._work, self.built = None, None
+            # without its tables the scene cannot be drawn at all
+            self._left = not self.renderer.holds(self.model.dressed(self.camera))
+            self._bare = not self._left
+            if self._bare:
+                self.refresh()
+                return
         self._steps, self._step, self.stopped = iter(()), None, True
 
     def move(self, camera: Camera) -> None:
@@ -154,13 +162,19 @@ class View:
     @property
     def complete(self) -> bool:
         """Whether there is nothing left to draw until something changes."""
-        return self.share >= 1 or (self.stopped and self._step is None and self.share > 0)
+        return (
+            self._left
+            or self.share >= 1
+            or (self.stopped and self._step is None and self.share > 0)
+        )
 
     @property
     def status(self) -> str:
         """How far the picture is, in words."""
         if self.built is not None:
             return f"building {self.built:.0%}"
+        if self._left:
+            return "stopped before it was built"
         if self.stopped:
             return "effects left out" if self._bare else f"stopped at {self.share:.0%}"
         return "complete" if self.share >= 1 else f"refining {self.share:.0%}"
@@ -186,11 +200,13 @@ class View:
         """
         if self.spinning:
             self._spin()
+        if self._left:
+            return self.drawn
         try:
             if self._work is not None:
                 self._build_on()
             if self.moving or self._work is not None:
-                if self.share == 0:
+                if self.share == 0 and self.drawable:
                     self._draw_moving()
             elif not self.complete:
                 self._draw_resting()
@@ -199,6 +215,13 @@ class View:
         else:
             self.error = ""
         return self.drawn
+
+    @property
+    def drawable(self) -> bool:
+        """Whether the scene can be drawn without building its tables first."""
+        if self._work is None:
+            return not self._left
+        return self.renderer.holds(self.model.dressed(self.camera))
 
     def _build_on(self) -> None:
         """Do one slice of what must be built."""
@@ -286,7 +309,7 @@ class View:
 
     def pick(self, x: float, y: float) -> Pick | None:
         """The surface at (x, y), each 0 to 1 from the upper left; ``None`` if there is none."""
-        if self.drawn is None:
+        if self.drawn is None or not self.drawable:
             return None
         return pick(self.drawn, self.model.scene, x, y)
 

@@ -126,6 +126,20 @@ fn search_start(grid: Grid, ray: Ray, t_min: f32, t_max: f32, kept: Kept) -> Sea
 
 const NO_INSTANCE: u32 = 0xffffffffu;
 
+// As next_entries, in a grid over instances.
+fn next_listed(walk: ptr<function, Walk>) -> u32 {
+    var cell = listed_at(u32((*walk).cell));
+    loop {
+        let clear = ((cell >> (*walk).bin) & 1u) != 0u;
+        if (cell < NO_ENTRIES || clear || walk_exit(*walk) >= (*walk).t_end) {
+            break;
+        }
+        walk_on(walk);
+        cell = listed_at(u32((*walk).cell));
+    }
+    return select(EMPTY_CELL, cell, cell < NO_ENTRIES);
+}
+
 // The next instance whose bounding sphere the ray meets in [t_min, t_max], or NO_INSTANCE.
 fn next_instance(search: ptr<function, Search>, cell: f32, ray: Ray, t_min: f32, t_max: f32) -> u32 {
     var walk = (*search).walk;
@@ -143,7 +157,7 @@ fn next_instance(search: ptr<function, Search>, cell: f32, ray: Ray, t_min: f32,
                 walk_on(&walk);
             }
             begun = true;
-            index = next_entries(&walk);
+            index = next_listed(&walk);
             if (index == EMPTY_CELL) {
                 break;
             }
@@ -154,17 +168,19 @@ fn next_instance(search: ptr<function, Search>, cell: f32, ray: Ray, t_min: f32,
         // a tight loop over bounding spheres, until one is met or the cell ends
         var met = false;
         var last = false;
+        var instance = NO_INSTANCE;
         loop {
-            let bound = bitcast<vec4f>(walked_at(index));
-            let span = sphere_span(ray, bound.xyz, abs(bound.w));
-            last = bound.w < 0.0;
+            let entry = listed_at(index);
+            instance = entry & ~LAST_OF_CELL;
+            last = entry != instance;
+            let bound = bound_of(instance);
+            let span = sphere_span(ray, bound.xyz, bound.w);
             met = span.near <= min(t_max, t_cell) && span.far >= t_min;
             if (met || last) {
                 break;
             }
             index += 1u;
         }
-        let instance = ref_at(index) & ~LAST_OF_CELL;
         index = select(index + 1u, EMPTY_CELL, last);
         if (met && all((*search).seen != vec4u(instance))) {
             found = instance;

@@ -13,7 +13,7 @@ override HAS_NESTING: bool = false;
 
 //#include "scene_types.wgsl"
 
-// 32 bytes an instance
+// kept in 24 bytes
 struct Instance {
     rotation: vec4f,
     // scene position of the geometry's local origin, which is the middle of its box
@@ -73,16 +73,22 @@ struct Scene {
     eye: vec3f,
     detail_slope: f32,
     detail_floor: f32,
+    // number of all instances
+    instances: u32,
+    // how far beyond their bounding spheres they are listed
+    reach: f32,
+    // what is added to the number of an entry of `walked` to find its reference
+    refs_from: u32,
 }
 
 @group(1) @binding(0) var<uniform> scene: Scene;
 // spheres: (center, radius); rods and cones: two slots; triangles: three (w unused)
 @group(1) @binding(1) var slots: texture_2d<f32>;
-// what rays walk through: all cells, then all entries (trace/copy.wgsl)
+// what rays walk through in geometries: all cells, then all entries (trace/copy.wgsl)
 @group(1) @binding(2) var walked: texture_2d<u32>;
-// for each entry its primitive, or in the grid over instances its instance
+// all cells of grids over instances, then what they list, then the primitive of each entry of `walked`
 @group(1) @binding(3) var refs: texture_2d<u32>;
-// two texels an instance
+// a texel for the place of each instance, then half of one for its rotation (trace/instances.py)
 @group(1) @binding(4) var instances: texture_2d<u32>;
 // OBJECT_TEXELS an object
 @group(1) @binding(5) var objects: texture_2d<u32>;
@@ -93,21 +99,50 @@ fn slot_at(index: u32) -> vec4f {
     return textureLoad(slots, table_place(index), 0);
 }
 
-// A cell (first entry, whether empty, bins of clear directions) or an entry: a sphere's bits, its radius negative if it is
-// the last of its cell; or another primitive (primitive, whether last, 0, 0).
+// A cell (first entry, whether empty, bins of clear directions) or an entry: a sphere's bits, its
+// radius negative if it is the last of its cell; or another primitive (primitive, whether last, 0, 0).
 fn walked_at(index: u32) -> vec4u {
     return textureLoad(walked, table_place(index), 0);
 }
 
-// What an entry refers to.
+// The primitive of an entry.
 fn ref_at(entry: u32) -> u32 {
-    return textureLoad(refs, table_place(entry), 0).x;
+    return textureLoad(refs, table_place(entry + scene.refs_from), 0).x;
+}
+
+// A cell of a grid over instances (its first entry, or NO_ENTRIES and bins of clear directions) or an
+// entry (an instance, LAST_OF_CELL for the last of its cell).
+fn listed_at(index: u32) -> u32 {
+    return textureLoad(refs, table_place(index), 0).x;
+}
+
+const NO_ENTRIES: u32 = 0x80000000u;
+
+// The sphere in which all that an instance lists lies.
+fn bound_of(instance: u32) -> vec4f {
+    let place = textureLoad(instances, table_place(instance), 0);
+    return vec4f(bitcast<vec3f>(place.xyz), radius_of(place.w) + scene.reach);
 }
 
 fn instance_at(index: u32) -> Instance {
-    let rotation = textureLoad(instances, table_place(2u * index), 0);
-    let center = textureLoad(instances, table_place(2u * index + 1u), 0);
-    return Instance(bitcast<vec4f>(rotation), bitcast<vec3f>(center.xyz), center.w);
+    let place = textureLoad(instances, table_place(index), 0);
+    let pair = textureLoad(instances, table_place(scene.instances + index / 2u), 0);
+    let turn = turn_of(select(pair.xy, pair.zw, (index & 1u) != 0u));
+    return Instance(turn, bitcast<vec3f>(place.xyz), place.w & 0xfffffu);
+}
+
+// A unit quaternion from three of its components and the number of the fourth, the largest.
+fn turn_of(words: vec2u) -> vec4f {
+    let second = (words.x >> 20u) | (words.y << 12u);
+    let codes = vec3i(bitcast<vec3i>(vec3u(words.x, second, words.y >> 8u) << vec3u(12u))) >> vec3u(12u);
+    let v = vec3f(codes) * (0.70710678118 / 524287.0);
+    let largest = sqrt(max(0.0, 1.0 - dot(v, v)));
+    let which = words.y >> 28u;
+    return select(
+        select(vec4f(v, largest), vec4f(v.xy, largest, v.z), which == 2u),
+        select(vec4f(v.x, largest, v.yz), vec4f(largest, v), which == 0u),
+        which < 2u,
+    );
 }
 
 fn traced_object(index: u32) -> Traced {

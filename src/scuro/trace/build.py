@@ -1,0 +1,201 @@
+"""Sorting primitives and instances into the cells of their grids, on the GPU.
+
+A counting sort in three kernels (``build.wgsl``); only the prefix sum between them is numpy's. All
+in steps short enough for a window to draw between them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.gpu import Gpu
+from scuro.steps import scaled
+from scuro.trace.clear import clear_directions
+from scuro.trace.grids import GridPlan
+from scuro.trace.table import empty_table, padded_bytes, table_from_buffers
+
+STEP = 1 << 17
+"""Primitives, instances or cells that are sorted in one step."""
+_COPIED = 2 * STEP
+"""Cells or entries that are copied in one step."""
+_CLEARED = 256
+"""In so many grids at most rays are told where nothing lies ahead: each takes milliseconds."""
+_EMPTY = 0x80000000
+
+
+def build_grids(
+    gpu: Gpu, plan: GridPlan, slots: Any, instances: Any
+) -> Generator[float, None, dict[str, Any]]:
+    """The ``walked`` and ``refs`` tables of all grids together (wgsl/scene.wgsl), in steps.
+
+    Args:
+        gpu: Where to.
+        plan: The grids.
+        slots: Table of the primitives.
+        instances: Table of the instances.
+
+    Returns:
+        The tables, and ``refs_from``: what the number of an entry of ``walked`` is less than that
+        of its reference (modulo 2³²).
+    """
+    sorter = _Sorter(gpu, plan, slots, instances)
+    listing = yield from scaled(sorter.list_instances(), 0.0, 0.2)
+    walked, refs = yield from scaled(sorter.sort_primitives(), 0.2, 1.0)
+    table = table_from_buffers(gpu, [listing, refs])
+    first = listing.size // 4 - plan.cells
+    yield 1.0
+    return {"walked": walked, "refs": table, "refs_from": first % (1 << 32)}
+
+
+class _Sorter:
+    """What the kernels share."""
+
+    def __init__(self, gpu: Gpu, plan: GridPlan, slots: Any, instances: Any) -> None:
+        self.gpu, self.plan = gpu, plan
+        self.resources = {
+            "items": gpu.buffer(16, label="no primitives to sort"),
+            "grids": gpu.buffer(plan.grids, label="grids"),
+            "slots": slots,
+            "instances": instances,
+        }
+
+    def _run(self, entry: str, threads: int, **build: float) -> None:
+        """One dispatch of a kernel."""
+        growth = self.plan.growth
+        uniform = {"first": 0, "grid": 0, "base": 0, "factor": growth.factor}
+        uniform |= {"margin": growth.margin, "count": threads} | build
+        resources = self.resources | {"build": uniform}
+        self.gpu.compute("trace/build.wgsl", entry, (threads,), resources)
+
+    def _sort(
+        self, entry: str, steps: list[Any], cells: int, base: int, first: int
+    ) -> Generator[float, None, tuple[Any, NDArray[np.int64]]]:
+        """Count, sum up and fill; the filled references and how many each cell has.
+
+        Args:
+            entry: Kernel that visits the items of a step.
+            steps: For each its arguments, or a function that prepares for it and gives them.
+            cells: Cells of all grids.
+            base: Number of the first entry of the first cell.
+            first: Entries before the first in the buffer of references.
+        """
+        gpu, resources = self.gpu, self.resources
+        resources["counts"] = gpu.buffer(4 * cells, label="grid counts")
+        resources["cells"] = gpu.buffer(4 * cells, label="grid cells")
+        resources["refs"] = gpu.buffer(16, label="no references yet")
+        for number, step in enumerate(steps):
+            self._run(f"count_{entry}", **(step() if callable(step) else step))
+            yield 0.4 * (number + 1) / len(steps)
+        lengths = gpu.read_buffer(resources["counts"], np.uint32)[:cells]
+        ends = np.cumsum(lengths, dtype=np.int64)
+        starts = np.full(cells, base, np.uint32)
+        starts[1:] += ends[:-1].astype(np.uint32)
+        yield 0.5
+        total = first + int(lengths.sum(dtype=np.int64))
+        resources["refs"] = gpu.buffer(padded_bytes(total), label="grid references")
+        if cells:
+            gpu.write_buffer(resources["cells"], starts)
+        recorder = gpu.recorder()
+        recorder.clear_buffer(resources["counts"])
+        recorder.submit()
+        for number, step in enumerate(steps):
+            arguments = step() if callable(step) else step
+            self._run(f"fill_{entry}", base=base - first, **arguments)
+            yield 0.5 + 0.4 * (number + 1) / len(steps)
+        for start in range(0, cells, STEP):
+            count = min(STEP, cells - start)
+            self._run("finish", count, base=base - first, first=start)
+            yield 0.9 + 0.1 * (start + count) / cells
+        return starts, lengths
+
+    def list_instances(self) -> Generator[float, None, Any]:
+        """The buffer that becomes the front of ``refs``: all cells of the grids over instances,
+        then what they list."""
+        plan, gpu = self.plan, self.gpu
+        cells = plan.listing_cells
+        steps = [
+            {"threads": min(STEP, first + number - start), "first": start, "grid": grid}
+            for grid, runs in enumerate(plan.listed)
+            for first, number in runs
+            for start in range(first, first + number, STEP)
+        ]
+        starts, lengths = yield from scaled(
+            self._sort("instances", steps, cells, cells, cells), 0.0, 0.9
+        )
+        # an empty cell tells where nothing lies ahead, another where its list begins
+        empty = lengths == 0
+        clear = yield from scaled(_clear_directions(plan.grids[: plan.over], empty), 0.9, 1.0)
+        gpu.write_buffer(self.resources["refs"], np.where(empty, _EMPTY | clear, starts))
+        return self.resources["refs"]
+
+    def _items(self) -> Iterator[NDArray[np.uint32]]:
+        """Steps of primitives and their grids, (n, 2) each."""
+        plan = self.plan
+        waiting: list[NDArray] = []
+        count = 0
+        slots = list(plan.first_slots.values())
+        for number, primitives in enumerate(plan.primitives):
+            for start in range(0, len(primitives), STEP):
+                part = primitives[start : start + STEP] + np.uint32(slots[number])
+                grid = np.full(len(part), plan.over + number, np.uint32)
+                waiting.append(np.stack([part, grid], 1))
+                count += len(part)
+                if count >= STEP:
+                    yield np.concatenate(waiting)
+                    waiting, count = [], 0
+        if waiting:
+            yield np.concatenate(waiting)
+
+    def sort_primitives(self) -> Generator[float, None, tuple[Any, Any]]:
+        """The table ``walked``, and the buffer of what its entries refer to."""
+        plan, gpu = self.plan, self.gpu
+        cells = plan.cells
+        steps: list[Any] = []
+        for items in self._items():
+            buffer = gpu.buffer(items, label="primitives to sort")
+
+            def visit(buffer: Any = buffer, count: int = len(items)) -> dict[str, int]:
+                self.resources["items"] = buffer
+                return {"threads": count}
+
+            steps.append(visit)
+        _, lengths = yield from scaled(self._sort("primitives", steps, cells, cells, 0), 0.0, 0.6)
+        clear = yield from scaled(
+            _clear_directions(plan.grids[plan.over :], lengths == 0), 0.6, 0.7
+        )
+        total = cells + int(lengths.sum(dtype=np.int64))
+        walked = empty_table(gpu, total, "rgba32uint", "grid entries")
+        copied = {
+            "slots": self.resources["slots"],
+            "cells": self.resources["cells"],
+            "counts": self.resources["counts"],
+            "refs": self.resources["refs"],
+            "walked": walked,
+            "clear": gpu.buffer(clear, label="clear directions"),
+        }
+        for first in range(0, total, _COPIED):
+            count = min(_COPIED, total - first)
+            copying = {"copying": {"first": first, "cells": cells, "total": total}}
+            gpu.compute("trace/copy.wgsl", "main", (count,), copied | copying)
+            yield 0.7 + 0.3 * (first + count) / total
+        return walked, self.resources["refs"]
+
+
+def _clear_directions(
+    grids: NDArray, empty: NDArray[np.bool_]
+) -> Generator[float, None, NDArray[np.uint32]]:
+    """What :func:`clear_directions` tells of each cell of some grids, from whether it is empty."""
+    bits = np.zeros(len(empty), np.uint32)
+    chosen = grids[:_CLEARED]
+    for number, grid in enumerate(chosen):
+        first, dims = int(grid["cells"]), grid["dims"][::-1].astype(np.int64)
+        run = slice(first, first + int(np.prod(dims)))
+        found = clear_directions(empty[run].reshape(dims))
+        bits[run] = (
+            yield from scaled(found, number / len(chosen), (number + 1) / len(chosen))
+        ).ravel()
+    return bits
