@@ -60,7 +60,7 @@ def test_bench_lists_runs_and_refuses(capfd):
     assert run(["bench", "visibility", "sample:1hpv", *small]) == 0
     report = json.loads(capfd.readouterr().out)
     assert {row["visibility"] for row in report["rows"]} == {"raycast", "raster"}
-    assert all(row["frame_s"] > 0 and row["spheres"] == 1631 for row in report["rows"])
+    assert all(row["frame_s"] > 0 and row["spheres"] == 1551 for row in report["rows"])
     assert run(["bench", "visiblity"]) == 2
     assert "did you mean 'visibility'" in capfd.readouterr().err
     assert run(["bench", "visibility", "--size", "0x9"]) == 2
