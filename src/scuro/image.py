@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from scuro.passes.frame import Frame
     from scuro.settings import SettingsGroup
+    from scuro.style.marks import Mark
 
 
 class Image:
@@ -26,6 +27,7 @@ class Image:
         pixels: (height, width, 4) uint8.
         frame: The frame it came from, for its buffers; none if it was drawn in parts.
         settings: What it was made with.
+        marks: What was written over it, for formats of more than 8 bits.
     """
 
     def __init__(
@@ -33,8 +35,10 @@ class Image:
         pixels: NDArray[np.uint8],
         frame: Frame | None = None,
         settings: SettingsGroup | None = None,
+        marks: Sequence[Mark] = (),
     ) -> None:
         self.pixels = pixels
+        self._marks = marks
         self._frame = frame
         self._settings = settings
 
@@ -117,8 +121,17 @@ class Image:
             settings = SceneFile(settings=self._frame.settings).as_dict()
         save_picture(
             path,
-            Picture(self.pixels, self.buffer, self._buffers(), settings, bits, dpi),
+            Picture(self.pixels, self._marked, self._buffers(), settings, bits, dpi),
         )
+
+    def _marked(self, name: str) -> NDArray:
+        """A buffer, or linear light with what is written over it."""
+        found = self.buffer(name)
+        if name != "linear" or not self._marks:
+            return found
+        from scuro.style.marks import paint_linear
+
+        return paint_linear(found, self._marks)
 
     def _repr_png_(self) -> bytes:
         out = io.BytesIO()

@@ -25,7 +25,6 @@ from scuro.passes.post.attention import draw_attention
 from scuro.passes.post.cues import draw_cues
 from scuro.passes.post.focus import draw_focus
 from scuro.passes.post.fxaa import draw_fxaa
-from scuro.passes.post.naming import draw_labels
 from scuro.passes.post.stereo import eye_camera, eye_size, join_eyes, keep_left_eye
 from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
@@ -34,12 +33,15 @@ from scuro.passes.shadow.shadow import draw_shadows
 from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.passes.volume.frame import Volumes
 from scuro.reference.path import PathTracer
+from scuro.render_marks import ACROSS, Names, picture_marks
 from scuro.render_parts import parts_of
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.lights import DIRECTIONAL
 from scuro.scene.scene import Scene
 from scuro.steps import finished
+from scuro.style.marks import paint
+from scuro.style.region_labels import Survey
 from scuro.trace import Accelerator, build_in_steps
 
 
@@ -77,6 +79,7 @@ class Renderer:
         self.reservoirs = Reservoirs()
         self._paths = PathTracer()
         self._layers = Layers()
+        self._small = TargetPool(self.gpu)
         self.history = History()
         """What frames drawn with ``accumulate`` found."""
 
@@ -276,7 +279,11 @@ class Renderer:
             yield part, frame
 
     def render(
-        self, scene: Scene, camera: Camera | None = None, settings: Settings | None = None
+        self,
+        scene: Scene,
+        camera: Camera | None = None,
+        settings: Settings | None = None,
+        names: Names | None = None,
     ) -> Image:
         """Draw a scene.
 
@@ -284,6 +291,7 @@ class Renderer:
             scene: What to draw.
             camera: From where; by default all of the scene is seen.
             settings: How; the defaults otherwise.
+            names: Labels in place of those that the picture by itself would have.
         """
         settings = settings or Settings()
         scene.show_reservoirs(settings.reservoir)
@@ -295,11 +303,26 @@ class Renderer:
             drawn = self.gpu.read_texture(frame.resources["picture"])
             pixels[part.rows, part.columns] = drawn[part.inside]
             count += 1
-        pixels = self.reservoirs.legends(pixels, scene)
+        marks = picture_marks(self, scene, camera, settings, names)
         whole = frame if count == 1 else None
-        if settings.labels.show:
-            pixels = draw_labels(pixels, whole, scene)
-        return Image(pixels, whole, settings)
+        return Image(paint(pixels, marks), whole, settings, marks)
+
+    def survey(self, scene: Scene, camera: Camera, settings: Settings) -> Survey:
+        """What is where in a picture, coarsely, without its light."""
+        own = copy.copy(self)  # what has been drawn with our own textures is still asked for
+        own.targets = self._small
+        width, height = eye_size(settings.stereo, settings.size)
+        share = min(1.0, ACROSS / width)
+        size = (max(1, round(share * width)), max(1, round(share * height)))
+        small = settings.replace(
+            size=size, antialias__method="none", stereo__mode="none", renderer="deferred"
+        )
+        frame = own._begun(scene, camera, small, Part((0, 0), size, (0, 0, *size)))
+        with opaque_only(frame):
+            draw_visibility(frame)
+        frame.recorder.submit()
+        ids, surface = (self.gpu.read_texture(frame.resources[n]) for n in ("ids", "surface"))
+        return Survey(ids, surface[..., 3], camera)
 
     def fitted(self, scene: Scene, settings: Settings, **options: Any) -> Camera:
         """A camera that sees the whole scene; ``options`` are those of :meth:`Camera.fitted`."""

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from scuro.passes.compose.lighting import LightingSettings
 from scuro.passes.occlusion.occlusion import OcclusionSettings
+from scuro.passes.post.annotations import (
+    AxesSettings,
+    LabelSettings,
+    LegendSettings,
+    ScaleBarSettings,
+)
 from scuro.passes.post.antialias import AntialiasSettings
 from scuro.passes.post.attention import AttentionSettings
 from scuro.passes.post.borders import BorderSettings
 from scuro.passes.post.focus import FocusSettings
 from scuro.passes.post.fog import FogSettings
 from scuro.passes.post.halos import HaloSettings
-from scuro.passes.post.naming import LabelSettings
 from scuro.passes.post.stereo import StereoSettings
 from scuro.passes.post.toon import ToonSettings
 from scuro.passes.reservoir.settings import StrategySettings
@@ -36,6 +41,14 @@ class Settings(SettingsGroup):
         low=1,
         high=100_000,
         unit="pixels an inch",
+    )
+    text: float | None = setting(
+        None,
+        "height of letters in labels, legends and the scale bar; auto: a 40th of the picture's "
+        "height, or with a resolution 12 px, which is 9 points",
+        low=4,
+        high=1000,
+        unit="px",
     )
     background: str = setting("white", "colour behind the scene, or 'transparent'")
     visibility: str = setting(
@@ -66,6 +79,9 @@ class Settings(SettingsGroup):
     semantic: SemanticSettings = SemanticSettings()
     attention: AttentionSettings = AttentionSettings()
     labels: LabelSettings = LabelSettings()
+    legend: LegendSettings = LegendSettings()
+    scale_bar: ScaleBarSettings = ScaleBarSettings()
+    axes: AxesSettings = AxesSettings()
     toon: ToonSettings = ToonSettings()
     fog: FogSettings = FogSettings()
     borders: BorderSettings = BorderSettings()

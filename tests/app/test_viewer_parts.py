@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from scuro.load import load
+from scuro.style.gauges import nice_length
 from scuro.style.labels import placed
 from scuro.viewer.measure import angle, dihedral, distance, measures
-from scuro.viewer.overlay import nice_length
 from scuro.viewer.panel.sequence import sequence
 
 

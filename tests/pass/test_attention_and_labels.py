@@ -1,17 +1,23 @@
 """Names of the regions in view, and all but a chosen subtree stepping back."""
 
 import numpy as np
+import PIL.Image
 import pytest
+import tifffile
 
 from scuro.errors import SettingsError
+from scuro.export.parts import save_in_parts
 from scuro.load import load
+from scuro.passes.part import split
 from scuro.passes.post.attention import chosen_table
 from scuro.render import Renderer
+from scuro.render_marks import Standing, namer_of, wanted
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.model import Ingredient, MesoscaleModel, Part, Structure
 from scuro.scene.scene import Scene
-from scuro.style.region_labels import region_labels, region_numbers
+from scuro.scene.view import ViewSettings, view_camera
+from scuro.style.region_labels import Namer, levels_between, region_labels, region_numbers
 
 SIZE = (160, 120)
 CAMERA = Camera((0, 0, 200), (0, 0, 0), (0, 1, 0), 30)
@@ -57,8 +63,9 @@ def settings_at(level: int, **changes) -> Settings:
 
 
 def labels_of(renderer: Renderer, scene: Scene, level: int, blend: float = 0.0):
-    ids = renderer.render(scene, CAMERA, settings_at(level)).buffer("ids")
-    return region_labels(ids, scene.hierarchy(), level, blend)
+    survey = renderer.survey(scene, CAMERA, settings_at(level))
+    hierarchy = scene.hierarchy()
+    return region_labels(survey, Namer(hierarchy), levels_between(hierarchy, level, blend))
 
 
 def test_names_follow_the_level_and_sit_in_their_regions(renderer, cell):
@@ -97,14 +104,84 @@ def test_region_numbers_divide_as_the_shader_does(renderer, cell):
 
 def test_labels_change_only_pixels_of_words(renderer, cell):
     bare = np.asarray(renderer.render(cell, CAMERA, settings_at(1)))
-    named = np.asarray(renderer.render(cell, CAMERA, settings_at(1, labels__show=True)))
-    one = settings_at(1, labels__show=True, labels__most=1)
+    named = np.asarray(renderer.render(cell, CAMERA, settings_at(1, labels__show="regions")))
+    one = settings_at(1, labels__show="regions", labels__most=1)
     single = np.asarray(renderer.render(cell, CAMERA, one))
     changed = [(picture != bare).any(axis=-1).mean() for picture in (named, single)]
     assert 0.2 > changed[0] > 1.5 * changed[1] > 0
-    with pytest.raises(SettingsError, match="without --labels"):
-        large = settings_at(1, labels__show=True, stereo__mode="side-by-side")
-        renderer.render(cell, CAMERA, large)
+
+
+def test_names_are_the_same_in_pictures_drawn_in_parts(renderer, cell, monkeypatch, tmp_path):
+    settings = settings_at(1, labels__show="regions", scale_bar__show=True, axes__show=True)
+    whole = renderer.render(cell, CAMERA, settings)
+    # parts as they would be of a print
+    monkeypatch.setattr("scuro.passes.part.fits", lambda *rest: False)
+    smaller = {"edge": 96, "margin": 16}
+    monkeypatch.setattr(
+        "scuro.render_parts.split", lambda size, **options: split(size, **options | smaller)
+    )
+    assert len(renderer.parts(settings)) > 2
+    parted = np.asarray(renderer.render(cell, CAMERA, settings))
+    assert (np.abs(parted.astype(int) - np.asarray(whole)).max(axis=-1) > 2).mean() < 0.002
+    for name, bits in (("a.png", 8), ("a16.png", 16), ("a.tif", 16)):
+        save_in_parts(tmp_path / name, renderer, cell, CAMERA, settings, bits=bits)
+    with PIL.Image.open(tmp_path / "a.png") as image:
+        np.testing.assert_array_equal(np.asarray(image.convert("RGBA")), parted)
+    found = tifffile.imread(tmp_path / "a.tif")[..., :3] / 257
+    assert np.abs(found - parted[..., :3]).max() < 4
+
+
+def test_both_eyes_see_the_names(renderer, cell):
+    changes = {"stereo__mode": "side-by-side", "labels__show": "regions"}
+    settings = settings_at(1).replace(size=(320, 120), **changes)
+    named = np.asarray(renderer.render(cell, CAMERA, settings)).astype(int)
+    bare = np.asarray(renderer.render(cell, CAMERA, settings.replace(labels__show="none")))
+    changed = (named != bare).any(axis=-1)
+    left, right = changed[:, :160].sum(), changed[:, 160:].sum()
+    assert left > 100 and 0.6 < left / right < 1.6
+
+
+def test_residues_and_atoms_have_names(renderer):
+    scene = Scene().add(load("sample:1hpv"))
+    camera = view_camera(scene, ViewSettings(focus="organic"), 1.5)
+    settings = Settings(size=(480, 320)).replace(labels__most=200)
+
+    def names(**labels) -> list[str]:
+        chosen = settings.replace(**{f"labels__{k}": v for k, v in labels.items()})
+        survey = renderer.survey(scene, camera, chosen)
+        standing = Standing(camera, chosen, renderer.accelerator(scene))
+        found = region_labels(survey, namer_of(scene, chosen), wanted(scene, standing))
+        # each where its own elements are
+        molecule = scene.molecules[0].molecule
+        for label in found:
+            depth = survey.depth[int(label.y), int(label.x)]
+            assert np.linalg.norm(molecule.positions[label.element[0]] - label.anchor) < 2.5
+            assert depth > 0
+        return [label.text for label in found]
+
+    residues = names(show="residues")
+    assert "478 200" in residues and len(residues) > 20
+    atoms = names(show="atoms", select="organic")
+    assert atoms and all(name.startswith("478 200 ") for name in atoms)
+    assert {"chain A", "chain B"} <= set(names(show="chains"))
+    with pytest.raises(SettingsError, match="no residues"):
+        wanted(Scene(), Standing(camera, settings.replace(labels__show="residues"), None))
+
+
+def test_a_name_stays_on_its_point_while_it_can(renderer, cell):
+    hierarchy, namer = cell.hierarchy(), Namer(cell.hierarchy())
+    levels = levels_between(hierarchy, 1, 0.0)
+
+    def seen(azimuth: float, keep=None) -> dict:
+        survey = renderer.survey(cell, CAMERA.orbited(azimuth, 0), settings_at(1))
+        return {la.text: la for la in region_labels(survey, namer, levels, keep)}
+
+    first = seen(0)
+    keep = {label.key: label.anchor for label in first.values()}
+    free, kept = seen(6), seen(6, keep)
+    assert kept["env"].anchor == first["env"].anchor != free["env"].anchor
+    # turned away, the point is behind the ball: a new one is found
+    assert seen(120, keep)["env"].anchor != first["env"].anchor
 
 
 def test_all_but_the_chosen_steps_back(renderer, cell):

@@ -1,4 +1,4 @@
-"""Opaque parts of reservoirs and their legend."""
+"""Opaque parts of reservoirs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from scuro.scene.cornerpoint_faces import fault_faces, isosurface, outer_faces
 from scuro.scene.cornerpoint_synthetic import faulted_dome
 from scuro.scene.cornerpoint_topology import vertex_values
 from scuro.scene.reservoir import ReservoirItem
-from scuro.style.reservoir_legend import legend_lines, with_legend
 from scuro.style.reservoir_options import ReservoirSettings
 
 
@@ -99,16 +98,3 @@ def test_wrong_words_say_how(changes: dict, message: str) -> None:
 def test_slices_beyond_the_model(dome) -> None:
     with pytest.raises(SettingsError, match="no slice k99"):
         ReservoirItem(dome, ReservoirSettings(show="slices", slices="k99")).bodies()
-
-
-def test_legend(dome) -> None:
-    item = ReservoirItem(dome, ReservoirSettings(property="PRESSURE", time=1, exaggeration=3.0))
-    assert legend_lines(item) == ["PRESSURE (barsa)", "faulted dome, 2020-12-31", "heights x 3"]
-    blank = np.full((240, 320, 4), 255, np.uint8)
-    drawn = with_legend(blank, item)
-    assert drawn.shape == blank.shape
-    corner = drawn[140:, :180].reshape(-1, 4)[:, :3].astype(int)
-    # the color map's two ends
-    assert (np.abs(corner - (48, 18, 59)).max(axis=1) < 30).any()
-    assert (np.abs(corner - (122, 4, 3)).max(axis=1) < 30).any()
-    assert (drawn[:100] == 255).all()

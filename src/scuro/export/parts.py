@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any
 
@@ -14,9 +14,11 @@ from scuro.export.files import replacing
 from scuro.export.formats import Band, Header, check_format, format_of
 from scuro.passes.frame import Frame
 from scuro.render import Renderer
+from scuro.render_marks import picture_marks
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.scene import Scene
+from scuro.style.marks import Mark, paint, paint_linear
 from scuro.style.paint import linear_rgba
 
 _BAND_BYTES = 192 << 20
@@ -53,6 +55,7 @@ def save_in_parts(
     check_format(path, settings.size, bits)
     format = format_of(path)
     opaque = linear_rgba(settings.background)[3] == 1
+    marks = picture_marks(renderer, scene, camera, settings)
     with replacing(path) as file:
         most = max(_BAND_BYTES // (format.pixel_bytes * settings.size[0]), 1)
         frames = renderer.frames(scene, camera, settings, rows=most)
@@ -62,12 +65,12 @@ def save_in_parts(
 
         def rows() -> Iterator[Band]:
             row: dict[str, NDArray] = {}
-            ends = -1
+            top, ends = 0, -1
             for part, frame in _chained(first, frames):
                 if part.rows.stop != ends:
                     if row:
-                        yield row
-                    row, ends = {}, part.rows.stop
+                        yield _marked(row, marks, top)
+                    row, top, ends = {}, part.rows.start, part.rows.stop
                 for name in needs:
                     drawn = _read(frame, name)[part.inside]
                     if name not in row:
@@ -75,7 +78,7 @@ def save_in_parts(
                         row[name] = np.empty(shape, drawn.dtype)
                     row[name][:, part.columns] = drawn
                 on_part(frame)
-            yield row
+            yield _marked(row, marks, top)
 
         format.write(file, header, rows())
 
@@ -83,6 +86,14 @@ def save_in_parts(
 def _chained(first: Any, rest: Iterator[Any]) -> Iterator[Any]:
     yield first
     yield from rest
+
+
+def _marked(row: dict[str, NDArray], marks: Sequence[Mark], top: int) -> Band:
+    """Rows with what is written over the picture."""
+    for name, draw in (("pixels", paint), ("linear", paint_linear)):
+        if name in row:
+            row[name] = draw(row[name], marks, top)
+    return row
 
 
 def _read(frame: Frame, name: str) -> NDArray:

@@ -173,10 +173,30 @@ def scheme_names() -> tuple[str, ...]:
     return (*CATEGORIES, *VALUES)
 
 
-def _mapped(
+def scale_of(
+    scheme: str, molecule: Molecule
+) -> tuple[str, Callable[[NDArray], NDArray[np.uint8]], float, float] | None:
+    """How a scheme goes through a colour map: its name, the map, and the values at its ends.
+
+    ``None`` for schemes that do not, and where no atom has a value.
+    """
+    name, *rest = scheme.strip().partition("+")[0].split(":")
+    key = ALIASES.get(name.strip().lower(), name.strip().lower())
+    if key not in VALUES:
+        return None
+    look_up, ends = _scale(scheme, VALUES[key], rest)
+    values = VALUES[key].values(molecule)
+    known = values[np.isfinite(values)]
+    return (key, look_up, *(ends or _spread(known))) if len(known) else None
+
+
+def _scale(
     text: str, quantity: _Quantity, options: list[str]
-) -> Callable[[Molecule], NDArray[np.uint8]]:
-    """Painter for a quantity with the options written after it: map, low, high."""
+) -> tuple[Callable[[NDArray], NDArray[np.uint8]], tuple[float, float] | None]:
+    """Colour map and ends from the options written after a quantity: map, low, high.
+
+    Without ends of its own or given ones a quantity goes over what its values spread over.
+    """
     if len(options) == 2 or len(options) >= 4:  # a map's own name may hold a colon
         options = [":".join(options[:2]), *options[2:]]
     if len(options) not in (0, 1, 3):
@@ -190,13 +210,21 @@ def _mapped(
             raise SettingsError(f"colour '{text}': the ends of the map must be numbers") from None
         if not (math.isfinite(low) and math.isfinite(high)) or low == high:
             raise SettingsError(f"colour '{text}': the ends of the map must be two finite numbers")
+    return look_up, (low, high) if math.isfinite(low) else None
+
+
+def _mapped(
+    text: str, quantity: _Quantity, options: list[str]
+) -> Callable[[Molecule], NDArray[np.uint8]]:
+    """Painter for a quantity with the options written after it."""
+    look_up, fixed = _scale(text, quantity, options)
 
     def paint(molecule: Molecule) -> NDArray[np.uint8]:
         values = quantity.values(molecule)
         known = np.isfinite(values)
         if not known.any():
             return by_element(molecule)
-        ends = (low, high) if math.isfinite(low) else _spread(values[known])
+        ends = fixed or _spread(values[known])
         share = (np.where(known, values, ends[0]) - ends[0]) / (ends[1] - ends[0])
         rgb = look_up(np.clip(share, 0.0, 1.0))
         return np.where(known[:, None], rgb, by_element(molecule))

@@ -71,4 +71,3 @@ class ReservoirSettings(SettingsGroup):
     lines: bool = setting(False, "draw cells' edges")
     faults: bool = setting(False, "draw the faces at which faults split the model")
     wells: bool = setting(True, "draw wells, where the files hold them")
-    legend: bool = setting(False, "add colours, opacity over the histogram, units and date")

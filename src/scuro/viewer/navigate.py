@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scuro.scene.camera import Camera
-
-Size = tuple[float, float]
+from scuro.scene.projection import Size, unproject
+from scuro.scene.projection import project as project
 
 TURN = 180.0
 """Degrees of a drag across the picture's smaller side."""
@@ -114,16 +114,6 @@ def fit(camera: Camera, bounds: NDArray, aspect: float, points: NDArray | None =
     )
 
 
-def unproject(camera: Camera, pixel: Size, size: Size, depth: float) -> NDArray[np.float64]:
-    """(3,) world point seen at a pixel position, ``depth`` along the viewing direction."""
-    half = camera.half_height()
-    scale = 1.0 if camera.orthographic else depth
-    x = (2 * pixel[0] / size[0] - 1) * half * size[0] / size[1] * scale
-    y = (1 - 2 * pixel[1] / size[1]) * half * scale
-    matrix = camera.view_from_world()
-    return matrix[:3, :3].T @ (np.array([x, y, -depth]) - matrix[:3, 3])
-
-
 def pixel_ray(
     camera: Camera, pixel: Size, size: Size
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -134,19 +124,6 @@ def pixel_ray(
         return np.asarray(camera.position, np.float64), direction
     # parallel rays begin behind everything that the eye could have in front of it
     return near - direction * 1e6, direction
-
-
-def project(camera: Camera, points: ArrayLike, size: Size) -> NDArray[np.float64]:
-    """(n, 3): pixel x and y, and depth, of world points (n, 3); depth <= 0 is behind the eye."""
-    matrix = camera.view_from_world()
-    view = np.atleast_2d(np.asarray(points, np.float64)) @ matrix[:3, :3].T + matrix[:3, 3]
-    depth = -view[:, 2]
-    half = camera.half_height() * (
-        np.ones_like(depth) if camera.orthographic else np.where(depth > 0, depth, np.nan)
-    )
-    x = (view[:, 0] / (half * size[0] / size[1]) + 1) / 2 * size[0]
-    y = (1 - view[:, 1] / half) / 2 * size[1]
-    return np.stack([x, y, depth], axis=1)
 
 
 def _tuple(vector: ArrayLike) -> tuple[float, float, float]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from scuro.style.gauges import nice_length, scene_unit
 from scuro.style.labels import Label, placed
 from scuro.viewer import navigate
 from scuro.viewer.cube import EDGES
@@ -30,31 +31,6 @@ _CROSS = 26.0
 """Pixels from the middle of the axis cross to its tips."""
 _BAR = 120.0
 """Longest scale bar, pixels."""
-_UNITS = {"Å": ((1.0, "Å"), (10.0, "nm"), (1e4, "µm")), "mm": ((1.0, "mm"), (1e3, "m"))}
-"""Larger units of each unit of length, and how many of the unit they are."""
-
-
-def nice_length(most: float, unit: str) -> tuple[float, str]:
-    """The longest round length up to ``most``, and its text: 1, 2 or 5 times a power of ten."""
-    power = 10.0 ** math.floor(math.log10(most))
-    length = next(f * power for f in (5.0, 2.0, 1.0) if f * power <= most * (1 + 1e-9))
-    factor, name = 1.0, unit
-    for larger, word in _UNITS.get(unit, ()):
-        if length >= larger:
-            factor, name = larger, word
-    return length, f"{length / factor:g} {name}".strip()
-
-
-def scene_unit(view: View) -> str:
-    """Unit of length of the world: the volumes' own, metres for reservoirs, else ångström."""
-    if view.model.scene.molecules:
-        return "Å"
-    for item in view.model.scene.items:
-        if hasattr(item, "volume"):
-            return str(item.volume.unit)
-        if hasattr(item, "grid"):
-            return "m"
-    return "Å"
 
 
 def draw_overlay(
@@ -79,7 +55,7 @@ def draw_overlay(
     _cross(paper, view, (50, size[1] - 50))
     _scale_bar(paper, view, size)
     _labels(paper, view, size, labels)
-    for measure in measures([p.anchor for p in view.selection], scene_unit(view)):
+    for measure in measures([p.anchor for p in view.selection], scene_unit(view.model.scene)):
         _measure(paper, view, size, measure)
     if handles.shown:
         _handles(paper, view, handles, size)
@@ -119,7 +95,7 @@ def _cross(paper: Any, view: View, middle: Size) -> None:
 
 def _scale_bar(paper: Any, view: View, size: Size) -> None:
     pixel = navigate.pixel_size(view.camera, size)
-    length, text = nice_length(_BAR * pixel, scene_unit(view))
+    length, text = nice_length(_BAR * pixel, scene_unit(view.model.scene))
     right, y = size[0] - 20, size[1] - 20
     left = right - length / pixel
     paper.add_rect_filled((left - 1, y - 1), (right + 1, y + 4), PAPER)

@@ -17,10 +17,12 @@ from scuro.export.movie import Film, check_format
 from scuro.export.scene_file import SceneFile, write_scene_file
 from scuro.image import Image
 from scuro.render import Renderer
+from scuro.render_marks import Names, picture_marks
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.scene import Scene
 from scuro.settings import SettingsGroup, setting
+from scuro.style.marks import paint
 from scuro.viewer.drawing import Drawing, Drawn
 from scuro.viewer.jobs import Jobs, Work, in_thread, scaled
 from scuro.viewer.view import View
@@ -156,7 +158,11 @@ def _shifted(
 
 
 def _pixels(
-    renderer: Renderer, scene: Callable[[], Scene], camera: Camera, settings: Settings
+    renderer: Renderer,
+    scene: Callable[[], Scene],
+    camera: Camera,
+    settings: Settings,
+    names: Names | None = None,
 ) -> Generator[float, None, NDArray[np.uint8]]:
     """Draw a full picture in slices: the pixels (h, w, 4) that :meth:`Renderer.render` makes."""
     import time
@@ -177,7 +183,7 @@ def _pixels(
                 yield made
             scene()
     pixels = renderer.gpu.read_texture(drawn.resources["picture"])
-    return renderer.reservoirs.legends(pixels, scene())
+    return paint(pixels, picture_marks(renderer, scene(), camera, settings, names))
 
 
 def _file_name(name: str) -> str:

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from weakref import WeakKeyDictionary
 
-import numpy as np
-from numpy.typing import NDArray
-
 from scuro.passes.frame import Frame
 from scuro.passes.reservoir.draw import ReservoirPicture
 from scuro.passes.reservoir.model import ReservoirModel
@@ -28,15 +25,6 @@ class Reservoirs:
     def bytes(self, item: ReservoirItem, strategy: StrategySettings) -> int:
         """GPU memory of what an item's last picture read; 0 if it was not drawn as a volume."""
         return self._pictures[item].bytes(strategy) if item in self._pictures else 0
-
-    def legends(self, pixels: NDArray[np.uint8], scene: Scene) -> NDArray[np.uint8]:
-        """The finished picture with the legends that reservoirs ask for."""
-        for item in scene.reservoirs:
-            if item.settings.legend:
-                from scuro.style.reservoir_legend import with_legend
-
-                return with_legend(pixels, item)
-        return pixels
 
     def draw(self, frame: Frame, scene: Scene) -> None:
         """Draw the reservoirs that are shown as volumes over ``color``."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from scuro.scene.clip import Plane
+from scuro.style.gauges import scene_unit
 from scuro.viewer.controls import KEYS, PROFILES
 from scuro.viewer.handles import Handles
 from scuro.viewer.measure import measures
-from scuro.viewer.overlay import scene_unit
 from scuro.viewer.panel.groups import Groups, buttons, heading, words
 from scuro.viewer.pick import sentence
 
@@ -100,7 +100,9 @@ class Tools:
         if not self.view.selection:
             imgui.text_disabled("click an atom; Shift+click adds")
             return
-        for said in measures([p.anchor for p in self.view.selection], scene_unit(self.view)):
+        for said in measures(
+            [p.anchor for p in self.view.selection], scene_unit(self.view.model.scene)
+        ):
             words(f"{said.kind}: {said.text}")
         buttons(("Clear", "Key Escape", lambda: self.view.select(None)))
 

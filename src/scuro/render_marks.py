@@ -1,0 +1,283 @@
+"""Marks over a picture: names, legends, a scale bar, the axes; laid out once for all of its parts.
+
+Names are placed by a small survey of the whole picture, so that pictures drawn in parts get the
+same ones as those drawn at once. Letters have a share of the picture's height, or on paper of a
+given resolution nine points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from scuro.errors import SettingsError
+from scuro.passes.post.stereo import eye_camera, eye_size
+from scuro.scene.camera import Camera
+from scuro.scene.projection import project
+from scuro.scene.regions import Hierarchy, Level
+from scuro.style.gauges import CROSS, axis_cross, inks, scale_bar, scene_unit
+from scuro.style.labels import placed
+from scuro.style.marks import ASCENT, CAPITALS, DESCENT, Line, Mark, Rect, Text, covered, text_width
+from scuro.style.paint import linear_rgba
+from scuro.style.region_labels import (
+    BY_ELEMENT,
+    Namer,
+    RegionLabel,
+    levels_between,
+    region_labels,
+)
+
+if TYPE_CHECKING:
+    from scuro.render import Renderer
+    from scuro.render_settings import Settings
+    from scuro.scene.scene import Scene
+    from scuro.trace import Accelerator
+
+ACROSS = 640
+"""Pixels across a survey: places of names need no finer grid."""
+_SHARE, _SMALLEST, _POINTS = 1 / 40, 11.0, 12.0
+"""Height of letters: of the picture, in pixels at least, and in 1/96 inch on paper (9 points)."""
+Names = Sequence[tuple[RegionLabel, float, float]]
+"""Labels and the pixels that they are centred on."""
+_LEVELS = {"chains": "chain", "residues": "residue"}
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Where a camera stands in a scene, and with what settings: what levels are chosen by."""
+
+    camera: Camera
+    settings: Settings
+    accelerator: Accelerator
+
+
+def text_size(settings: Settings) -> float:
+    """Height of letters, in pixels of the picture."""
+    if settings.text is not None:
+        return settings.text * settings.px
+    if settings.dpi is not None:
+        return max(_SMALLEST, _POINTS * settings.px)
+    return max(_SMALLEST, float(round(settings.size[1] * _SHARE)))
+
+
+def picture_marks(
+    renderer: Renderer,
+    scene: Scene,
+    camera: Camera,
+    settings: Settings,
+    names: Names | None = None,
+) -> list[Mark]:
+    """All that the settings want written over a picture.
+
+    Args:
+        renderer: Draws the survey.
+        scene: What the picture shows.
+        camera: From where.
+        settings: Of the picture.
+        names: Labels in place of those that a survey finds, with the pixels they are centred on.
+
+    Raises:
+        SettingsError: There is nothing of what should be named.
+    """
+    fixed = fixed_marks(scene, camera, settings)
+    if settings.labels.show == "none":
+        marks = fixed
+    else:
+        if names is None:
+            survey = renderer.survey(scene, camera, settings)
+            standing = Standing(camera, settings, renderer.accelerator(scene))
+            found = region_labels(survey, namer_of(scene, settings), wanted(scene, standing))
+            names = placed_names(found, survey.size, settings, fixed)
+        marks = [name_text(label, x, y, settings) for label, x, y in names]
+        marks = [*marks, *fixed]
+    if settings.stereo.mode != "side-by-side":
+        return marks
+    return _for_both_eyes(renderer.accelerator(scene), camera, settings, names or [], fixed)
+
+
+def fixed_marks(scene: Scene, camera: Camera, settings: Settings) -> list[Mark]:
+    """Legends, scale bar and axes: what does not hang on the scene's surfaces."""
+    text, size = text_size(settings), eye_size(settings.stereo, settings.size)
+    ink, halo = inks(linear_rgba(settings.background))
+    marks: list[Mark] = []
+    if settings.scale_bar.show:
+        marks += scale_bar(camera, scene_unit(scene), size, text, ink, halo)
+    if settings.legend.show:
+        from scuro.style.legend import legend_marks
+        from scuro.style.legends import scene_legends
+
+        scene.show_reservoirs(settings.reservoir)
+        paper = (*halo[:3], 228)
+        # the scale bar has its corner
+        low = settings.legend.corner == "lower right" and settings.scale_bar.show
+        box = (size[0], size[1] - round(2.4 * text)) if low else size
+        marks += legend_marks(
+            scene_legends(scene, settings), box, text, settings.legend.corner, ink, paper
+        )
+    if settings.axes.show:
+        reach = (CROSS + 1.6) * text
+        lower = not (settings.legend.show and settings.legend.corner == "lower left")
+        middle = (reach, size[1] - reach if lower else reach)
+        marks += axis_cross(camera, middle, text, halo)
+    return marks
+
+
+def wanted(scene: Scene, standing: Standing) -> list[tuple[Level, float]]:
+    """Levels of the hierarchy whose regions get names, and how opaque these are.
+
+    Raises:
+        SettingsError: There is nothing of the kind in the scene.
+    """
+    from scuro.passes.semantic.levels import place
+
+    settings = standing.settings
+    hierarchy = scene.hierarchy(settings.semantic.parts)
+    show = settings.labels.show
+    if show == "regions":
+        here = place(cast(Any, standing), hierarchy)
+        return levels_between(hierarchy, here.level, here.blend)
+    if show == "atoms" and scene.molecules:
+        return [(Level("atom", BY_ELEMENT), 1.0)]
+    found = [level for level in hierarchy.levels if level.name == _LEVELS.get(show)]
+    if not found:
+        raise SettingsError(f"the scene has no {show} to name: use --labels regions")
+    return [(found[0], 1.0)]
+
+
+_namers: dict[str, tuple[Any, Namer]] = {}
+
+
+def namer_of(scene: Scene, settings: Settings) -> Namer:
+    """What names the scene's regions; kept while the scene does not change.
+
+    Raises:
+        SettingsError: A selection is not understood.
+    """
+    hierarchy = scene.hierarchy(settings.semantic.parts)
+    key = (hierarchy, settings.labels.show == "atoms", settings.labels.select)
+    kept = _namers.get("last")
+    if kept is None or kept[0] != key:
+        kept = _namers["last"] = (key, _namer(scene, hierarchy, settings))
+    return kept[1]
+
+
+def _namer(scene: Scene, hierarchy: Hierarchy, settings: Settings) -> Namer:
+    from scuro.style.selection import select
+
+    names: dict[int, list[str]] = {}
+    masks: dict[int, Any] = {}
+    number = 0
+    for item in scene.items:
+        bodies = item.bodies() if hasattr(item, "bodies") else []
+        if hasattr(item, "molecule"):
+            if settings.labels.show == "atoms":
+                known = atom_names(item.molecule)
+                names |= {number + n: known for n in range(len(bodies))}
+            if settings.labels.select != "all":
+                mask = select(item.molecule, settings.labels.select)
+                masks |= {number + n: mask for n in range(len(bodies))}
+        number += len(bodies)
+    return Namer(hierarchy, names, masks)
+
+
+def atom_names(molecule: Any) -> list[str]:
+    """``ASP 25 CA``; of molecules of one residue the atom's name alone."""
+    atoms = [str(name).strip() for name in molecule.atom_name]
+    if len(molecule.residue_name) < 2:
+        return atoms
+    residues = [
+        f"{name} {number}"
+        for name, number in zip(molecule.residue_name, molecule.residue_number, strict=True)
+    ]
+    return [f"{residues[r]} {name}" for r, name in zip(molecule.residue, atoms, strict=True)]
+
+
+def placed_names(
+    labels: Sequence[RegionLabel],
+    survey: tuple[float, float],
+    settings: Settings,
+    marks: Sequence[Mark] = (),
+) -> list[tuple[RegionLabel, float, float]]:
+    """Labels for which there is room, the largest regions first, and the pixels they are about.
+
+    Args:
+        labels: In pixels of a survey.
+        survey: Its size.
+        settings: Of the picture.
+        marks: What is in the picture already.
+    """
+    size = eye_size(settings.stereo, settings.size)
+    scale = size[0] / survey[0]
+    extents = [name_extent(label.text, text_size(settings)) for label in labels]
+    places = np.array([(scale * la.x, scale * la.y, 1.0) for la in labels]).reshape(-1, 3)
+    found = placed(
+        places,
+        extents,
+        size,
+        order=np.arange(len(labels)),
+        centered=True,
+        most=settings.labels.most,
+        taken=taken_by(marks),
+    )
+    return [
+        (labels[n], left + extents[n][0] / 2, top + extents[n][1] / 2) for n, (left, top) in found
+    ]
+
+
+def taken_by(marks: Sequence[Mark]) -> list[Rect]:
+    """Where no label may lie."""
+    around = [covered([mark]) for mark in marks]
+    return [box for box in around if box is not None]
+
+
+def name_extent(text: str, size: float) -> tuple[float, float]:
+    """Width and height that a label takes up, with room around it."""
+    return text_width(text, size) + 0.7 * size, (ASCENT + DESCENT + 0.2) * size
+
+
+def name_text(label: RegionLabel, x: float, y: float, settings: Settings) -> Text:
+    """A label's words about a pixel."""
+    size = text_size(settings)
+    ink, halo = inks(linear_rgba(settings.background))
+    alpha = round(255 * label.opacity)
+    color, rim = (*ink[:3], alpha), (*halo[:3], round(0.8 * alpha))
+    return Text(label.text, x, y + CAPITALS * size / 2, size, color, rim, "m")
+
+
+def _for_both_eyes(
+    accelerator: Accelerator,
+    camera: Camera,
+    settings: Settings,
+    names: Names,
+    fixed: Sequence[Mark],
+) -> list[Mark]:
+    """Marks of two pictures side by side: names lie as deep as what they hang on."""
+    size = eye_size(settings.stereo, settings.size)
+    separation = settings.stereo.separation * accelerator.extent
+    marks: list[Mark] = []
+    anchors = np.array([label.anchor for label, _, _ in names]).reshape(-1, 3)
+    middle = project(camera, anchors, size) if len(anchors) else anchors
+    for eye in (-1, 1):
+        own, jitter = eye_camera(camera, eye, separation, size[1])
+        here = project(own, anchors, size) if len(anchors) else anchors
+        start = size[0] if eye > 0 else 0.0
+        for (label, x, y), a, b in zip(names, middle, here, strict=True):
+            moved = name_text(label, x + b[0] - a[0] - jitter[0], y + b[1] - a[1], settings)
+            left, _, right, _ = moved.box
+            if left >= 0 and right <= size[0]:  # nothing of it in the other eye's picture
+                marks.append(replace(moved, x=moved.x + start))
+        marks += [shifted(mark, start) for mark in fixed]
+    return marks
+
+
+def shifted(mark: Mark, x: float) -> Mark:
+    """A mark farther to the right."""
+    if isinstance(mark, Text):
+        return replace(mark, x=mark.x + x)
+    if isinstance(mark, Line):
+        return replace(mark, points=tuple((a + x, b) for a, b in mark.points))
+    left, top, right, bottom = mark.box
+    return replace(mark, box=(left + x, top, right + x, bottom))
