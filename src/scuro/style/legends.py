@@ -173,10 +173,10 @@ def _categories(molecule: Molecule, scheme: str) -> tuple[str, NDArray, bool] | 
     key = ALIASES.get(key, key)
     chains = np.asarray(molecule.chain_names, object)[molecule.chain]
     polymer = polymer_atoms(molecule)
-    if key == "auto":
-        # by_content: chains of a complex, elements of all else
+    if key in ("auto", "complex"):
+        # chains of a complex, elements of all else
         several = len(np.unique(molecule.chain[polymer])) > 1
-        if several:
+        if several or key == "complex":
             return "chain", np.where(polymer, chains, ""), False
         key = "element"
         names = np.array(SYMBOLS, object)[molecule.element]

@@ -105,8 +105,8 @@ class Namer:
             found = np.where(thing != _NOTHING, instance << 32 | element, -1)
         else:
             found = region_numbers(ids, self.hierarchy, level)
-        for thing, mask in self._masks.items():
-            here = ids[..., 2] == thing
+        for number, mask in self._masks.items():
+            here = ids[..., 2] == number
             atom = np.minimum(ids[..., 0], len(mask) - 1)
             found = np.where(here & ~mask[atom], -1, found)
         return found
