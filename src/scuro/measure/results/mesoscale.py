@@ -50,8 +50,8 @@ and attention; then the zoom of Figure 5.2) by
     scuro make-mesoscale sample:1tii sample:1hpv -o cell.meso --atoms 1e8
     scuro render cell.meso -o plain.jpg --size 640x360 --clip 0,0,-1 --semantic plain
     scuro render cell.meso -o semantic.jpg --size 640x360 --clip 0,0,-1 --semantic screen
-    scuro render cell.meso -o names.jpg --size 640x360 --clip 0,0,-1 --semantic screen --labels regions \
-        --attention "compartment 2"
+    scuro render cell.meso -o names.jpg --size 640x360 --clip 0,0,-1 --semantic screen \
+        --labels regions --attention "compartment 2"
     scuro movie cell.meso -o zoom --size 640x360 --clip 0,0,-1 --motion zoom --length 4
 
 ![without semantics](images/mesoscale-plain.jpg)
