@@ -62,7 +62,7 @@ class SemanticSettings(SettingsGroup):
     shadow: float = setting(
         0.6, "strength of shadows between compartments; 0 for none", low=0, high=1
     )
-    shadow_steps: int = setting(32, "steps along each shadow ray, at most", low=4, high=512)
+    shadow_steps: int = setting(20, "steps along each shadow ray, at most", low=4, high=512)
     blur_occlusion: int = setting(3, "radius of the occlusion's blur", low=0, high=32, unit="px")
     blur_bounce: int = setting(6, "radius of the bounce's blur", low=0, high=32, unit="px")
     blur_shadow: int = setting(5, "radius of the shadow's blur", low=0, high=32, unit="px")

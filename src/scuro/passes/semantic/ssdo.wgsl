@@ -92,7 +92,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         if (HAS_NEAR) {
             let found = probe(start + near_reach * step, here, ssdo.near_radius);
             near = found.occluded * ssdo.near_weight;
-            if (HAS_BOUNCE && near > 0.0) {
+            // light that is blurred widely needs no more than every second direction
+            if (HAS_BOUNCE && near > 0.0 && (i & 1u) == 0u) {
                 indirect += near * sent(found, start, direction, upright.z);
             }
         }
@@ -105,6 +106,6 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     }
     store_gathered(here.pixel, sum, ssdo.samples, ssdo.strength);
     if (HAS_BOUNCE) {
-        textureStore(bounce, here.pixel, vec4f(indirect / f32(ssdo.samples) * ssdo.bounce, 1.0));
+        textureStore(bounce, here.pixel, vec4f(indirect / f32((ssdo.samples + 1u) / 2u) * ssdo.bounce, 1.0));
     }
 }
