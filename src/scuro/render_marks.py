@@ -20,7 +20,18 @@ from scuro.scene.projection import project
 from scuro.scene.regions import Hierarchy, Level
 from scuro.style.gauges import CROSS, axis_cross, inks, scale_bar, scene_unit
 from scuro.style.labels import placed
-from scuro.style.marks import ASCENT, CAPITALS, DESCENT, Line, Mark, Rect, Text, covered, text_width
+from scuro.style.marks import (
+    ASCENT,
+    CAPITALS,
+    DESCENT,
+    Line,
+    Mark,
+    Rect,
+    Text,
+    covered,
+    halo_width,
+    text_width,
+)
 from scuro.style.paint import linear_rgba
 from scuro.style.region_labels import (
     BY_ELEMENT,
@@ -100,29 +111,37 @@ def picture_marks(
 
 def fixed_marks(scene: Scene, camera: Camera, settings: Settings) -> list[Mark]:
     """Legends, scale bar and axes: what does not hang on the scene's surfaces."""
+    marks = gauge_marks(scene, camera, settings)
+    return marks + legends_of(scene, settings) if settings.legend.show else marks
+
+
+def gauge_marks(scene: Scene, camera: Camera, settings: Settings) -> list[Mark]:
+    """Scale bar and axes, which go with the camera."""
     text, size = text_size(settings), eye_size(settings.stereo, settings.size)
     ink, halo = inks(linear_rgba(settings.background))
     marks: list[Mark] = []
     if settings.scale_bar.show:
         marks += scale_bar(camera, scene_unit(scene), size, text, ink, halo)
-    if settings.legend.show:
-        from scuro.style.legend import legend_marks
-        from scuro.style.legends import scene_legends
-
-        scene.show_reservoirs(settings.reservoir)
-        paper = (*halo[:3], 228)
-        # the scale bar has its corner
-        low = settings.legend.corner == "lower right" and settings.scale_bar.show
-        box = (size[0], size[1] - round(2.4 * text)) if low else size
-        marks += legend_marks(
-            scene_legends(scene, settings), box, text, settings.legend.corner, ink, paper
-        )
     if settings.axes.show:
         reach = (CROSS + 1.6) * text
         lower = not (settings.legend.show and settings.legend.corner == "lower left")
-        middle = (reach, size[1] - reach if lower else reach)
-        marks += axis_cross(camera, middle, text, halo)
+        marks += axis_cross(camera, (reach, size[1] - reach if lower else reach), text, halo)
     return marks
+
+
+def legends_of(scene: Scene, settings: Settings) -> list[Mark]:
+    """What the scene's colours mean."""
+    from scuro.style.legend import legend_marks
+    from scuro.style.legends import scene_legends
+
+    scene.show_reservoirs(settings.reservoir)
+    text, (width, height) = text_size(settings), eye_size(settings.stereo, settings.size)
+    ink, halo = inks(linear_rgba(settings.background))
+    corner = settings.legend.corner
+    if corner == "lower right" and settings.scale_bar.show:
+        height -= round(2.4 * text)  # the bar has its corner
+    paper = (*halo[:3], 228)
+    return legend_marks(scene_legends(scene, settings), (width, height), text, corner, ink, paper)
 
 
 def wanted(scene: Scene, standing: Standing) -> list[tuple[Level, float]]:
@@ -235,14 +254,17 @@ def taken_by(marks: Sequence[Mark]) -> list[Rect]:
 
 def name_extent(text: str, size: float) -> tuple[float, float]:
     """Width and height that a label takes up, with room around it."""
-    return text_width(text, size) + 0.7 * size, (ASCENT + DESCENT + 0.2) * size
+    rim = halo_width(size)
+    return text_width(text, size) + 2 * rim + 0.3 * size, (ASCENT + DESCENT + 0.1) * size + 2 * rim
 
 
-def name_text(label: RegionLabel, x: float, y: float, settings: Settings) -> Text:
-    """A label's words about a pixel."""
+def name_text(
+    label: RegionLabel, x: float, y: float, settings: Settings, opacity: float | None = None
+) -> Text:
+    """A label's words about a pixel; ``opacity`` in place of its own."""
     size = text_size(settings)
     ink, halo = inks(linear_rgba(settings.background))
-    alpha = round(255 * label.opacity)
+    alpha = round(255 * (label.opacity if opacity is None else opacity))
     color, rim = (*ink[:3], alpha), (*halo[:3], round(0.8 * alpha))
     return Text(label.text, x, y + CAPITALS * size / 2, size, color, rim, "m")
 

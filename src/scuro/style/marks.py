@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
+from importlib.resources import as_file, files
 from typing import Any
 
 import numpy as np
@@ -46,7 +46,7 @@ class Text:
     @property
     def rim(self) -> float:
         """How wide the halo is."""
-        return 0.0 if self.halo is None else max(1.0, round(self.size / 7))
+        return 0.0 if self.halo is None else halo_width(self.size)
 
     @property
     def box(self) -> Rect:
@@ -98,11 +98,17 @@ class Strip:
 Mark = Text | Box | Line | Strip
 
 
+def halo_width(size: float) -> float:
+    """How wide a rim letters of a size have."""
+    return max(1.0, float(round(size / 7)))
+
+
 @lru_cache(maxsize=32)
 def _font(size: float) -> Any:
     from PIL import ImageFont
 
-    return ImageFont.truetype(str(FONT), size)
+    with as_file(FONT) as path:
+        return ImageFont.truetype(str(path), size)
 
 
 @lru_cache(maxsize=8192)

@@ -52,8 +52,11 @@ def draw_overlay(
     from imgui_bundle import imgui
 
     paper = imgui.get_background_draw_list()
-    _cross(paper, view, (50, size[1] - 50))
-    _scale_bar(paper, view, size)
+    # where a picture of the view would have its own, these are drawn already
+    if not view.model.settings.axes.show:
+        _cross(paper, view, (50, size[1] - 50))
+    if not view.model.settings.scale_bar.show:
+        _scale_bar(paper, view, size)
     _labels(paper, view, size, labels)
     for measure in measures([p.anchor for p in view.selection], scene_unit(view.model.scene)):
         _measure(paper, view, size, measure)

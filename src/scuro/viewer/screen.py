@@ -14,7 +14,9 @@ from scuro.viewer.controls import Controls
 from scuro.viewer.drawing import Drawn
 from scuro.viewer.gui import Gui
 from scuro.viewer.handles import Handles
+from scuro.viewer.marks import draw_marks
 from scuro.viewer.model import Model
+from scuro.viewer.names import Names
 from scuro.viewer.overlay import draw_overlay
 from scuro.viewer.panel import WIDTH as PANEL_WIDTH
 from scuro.viewer.panel import Panel
@@ -63,6 +65,7 @@ class Screen:
         self.gui = Gui(self.gpu, format)
         self.panel = Panel(self.view, self.handles, self.probing, deliver, listing, elsewhere)
         self.play_bar = PlayBar(self.view)
+        self.names = Names(self.view, time.perf_counter)
         self.controls.key_hook = self.panel.key
         self.logical = (64.0, 48.0)
         self.ratio = 1.0
@@ -121,7 +124,7 @@ class Screen:
         """Seconds until there is something to draw; ``None`` when nothing changes by itself."""
         if self._touched:
             return 0.0
-        timed = (self.view, self.gui, self.panel.jobs, self.probing, self.model.player)
+        timed = (self.view, self.names, self.gui, self.panel.jobs, self.probing, self.model.player)
         waits = [part.wait for part in timed]
         return min((w for w in waits if w is not None), default=None)
 
@@ -157,6 +160,9 @@ class Screen:
         picture = self.controls.logical
         self.probing.draw(picture)
         hover = (self._hover, self.controls.pointer)
+        from imgui_bundle import imgui
+
+        draw_marks(imgui.get_background_draw_list(), self.names.marks(), self.ratio)
         draw_overlay(self.view, self.handles, picture, self.panel.labels(), hover)
         self.play_bar.draw(picture)
         self.panel.draw(self.logical)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
-from pathlib import Path
+from importlib.resources import as_file
+
+from scuro.style.marks import FONT
 
 INK, PAPER = 0xFF26221E, 0xE6FFFFFF
 """Text over pictures and its ground, as ImGui packs colours: alpha, blue, green, red."""
@@ -16,12 +17,11 @@ _BLUE, _BRIGHT = (0.20, 0.42, 0.66), (0.30, 0.56, 0.86)
 
 
 def load_font() -> None:
-    """Roboto, which imgui-bundle brings; ImGui's own bitmap font where it is missing."""
+    """The font of pictures' labels."""
     from imgui_bundle import imgui
 
-    font = Path(str(files("imgui_bundle"))) / "assets/fonts/Roboto/Roboto-Regular.ttf"
-    if font.is_file():
-        imgui.get_io().fonts.add_font_from_file_ttf(str(font), FONT_SIZE)
+    with as_file(FONT) as path:
+        imgui.get_io().fonts.add_font_from_file_ttf(str(path), FONT_SIZE)
 
 
 def apply_style() -> None:

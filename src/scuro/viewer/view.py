@@ -67,6 +67,8 @@ class View:
         """The last complete picture."""
         self.drawing = Drawing(renderer, clock)
         self.error = ""
+        self.remark = ""
+        """What is to be told of a picture that could be drawn."""
         self.changed: Callable[[], None] = lambda: None
         """Called when the picture is out of date, to wake whoever shows it."""
         self._moved = -1e9

@@ -138,7 +138,7 @@ class Panel:
             imgui.same_line()
             if imgui.button(f"Cancel##{id(job)}"):
                 self.jobs.cancel(job)
-        for said in (view.error, model.message, self._groups.message):
+        for said in (view.error, view.remark, model.message, self._groups.message):
             if said:
                 words(said, _WARNING)
         if self.jobs.message:
