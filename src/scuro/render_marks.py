@@ -129,8 +129,8 @@ def gauge_marks(scene: Scene, camera: Camera, settings: Settings) -> list[Mark]:
     return marks
 
 
-def legends_of(scene: Scene, settings: Settings) -> list[Mark]:
-    """What the scene's colours mean."""
+def legends_of(scene: Scene, settings: Settings, below: float = 0.0) -> list[Mark]:
+    """What the scene's colours mean; ``below``: pixels at the picture's foot to leave free."""
     from scuro.style.legend import legend_marks
     from scuro.style.legends import scene_legends
 
@@ -139,7 +139,8 @@ def legends_of(scene: Scene, settings: Settings) -> list[Mark]:
     ink, halo = inks(linear_rgba(settings.background))
     corner = settings.legend.corner
     if corner == "lower right" and settings.scale_bar.show:
-        height -= round(2.4 * text)  # the bar has its corner
+        below = max(below, 2.4 * text)  # the bar has its corner
+    height -= round(below)
     paper = (*halo[:3], 228)
     return legend_marks(scene_legends(scene, settings), (width, height), text, corner, ink, paper)
 

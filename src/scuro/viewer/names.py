@@ -40,6 +40,8 @@ ACROSS = 160
 """Pixels across a survey."""
 EVERY = 0.15
 """Seconds between surveys, at least."""
+PLAY_BAR = 0.1
+"""Share of the picture's height at its foot where legends leave room to play."""
 FADE = 0.25
 """Seconds in which a name comes or goes."""
 
@@ -104,7 +106,9 @@ class Names:
             key = (settings, tuple(map(id, scene.items)), self.view.model.document.show)
             if self._legend[0] != key:
                 try:
-                    self._legend = (key, legends_of(scene, settings))
+                    plays = self.view.model.player.length > 1
+                    free = settings.size[1] * PLAY_BAR if plays else 0.0
+                    self._legend = (key, legends_of(scene, settings, free))
                 except ScuroError:  # the picture cannot be drawn either, and says why
                     self._legend = (key, [])
             marks += self._legend[1]
