@@ -24,7 +24,7 @@ from scuro.passes.post.antialias import filter_down
 from scuro.passes.post.attention import draw_attention
 from scuro.passes.post.cues import draw_cues
 from scuro.passes.post.focus import draw_focus
-from scuro.passes.post.fxaa import draw_fxaa
+from scuro.passes.post.fxaa import draw_fxaa, smooth_picture
 from scuro.passes.post.stereo import eye_camera, eye_size, join_eyes, keep_left_eye
 from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
@@ -153,13 +153,17 @@ class Renderer:
                 )
         if settings.stereo.mode == "red-cyan":
             left = self._colored(scene, camera, settings, replace(part, eye=-1))
+            draw_fxaa(left)
             keep_left_eye(left)
             left.recorder.submit()
             frame = self._colored(scene, camera, settings, replace(part, eye=1))
+            draw_fxaa(frame)
             join_eyes(frame)
+            encode(frame)
         else:
             frame = self._colored(scene, camera, settings, part, accumulate)
-        encode(frame)
+            encode(frame)
+            smooth_picture(frame)
         return frame
 
     def prepare(self, scene: Scene, camera: Camera, settings: Settings) -> Iterator[float]:
@@ -216,7 +220,6 @@ class Renderer:
         self.reservoirs.draw(frame, scene)
         draw_cues(frame)
         draw_focus(frame, scene)
-        draw_fxaa(frame)
         filter_down(frame)
         return frame
 

@@ -132,11 +132,11 @@ def _scalar(name: str) -> Callable[[Frame], NDArray]:
 
 
 def _linear(frame: Frame) -> NDArray[np.float32]:
-    from scuro.style.paint import linear_rgba
+    from scuro.passes.post.fxaa import smoothed_color
+    from scuro.style.paint import premultiplied
 
-    over = frame.gpu.read_texture(frame.resources["color"]).astype(np.float32)
-    r, g, b, a = linear_rgba(frame.settings.background)
-    under = np.array([r * a, g * a, b * a, a], np.float32)
+    over = frame.gpu.read_texture(smoothed_color(frame)).astype(np.float32)
+    under = np.array(premultiplied(frame.settings.background), np.float32)
     return over + under * (1 - over[..., 3:])
 
 

@@ -178,6 +178,31 @@ class Frame:
             indirect=self.resources["tile_count"],
         )
 
+    def compute_shown(
+        self,
+        shader: str,
+        resources: Mapping[str, Any] | None = None,
+        *,
+        threads: Sequence[int] | None = None,
+        label: str = "",
+    ) -> None:
+        """Record a compute pass over what ``color`` shows.
+
+        That is the shader's entry ``tiles`` where the rest is known to be empty, ``everywhere``
+        (over its pixels, or other threads) otherwise.
+        """
+        color = self.resources["color"]
+        if color is self.sparse:
+            self.compute_tiles(shader, resources, entry="tiles", label=label)
+        else:
+            self.compute(
+                shader,
+                resources,
+                entry="everywhere",
+                threads=threads or color.size[:2],
+                label=label,
+            )
+
     def compute(
         self,
         shader: str,
@@ -186,9 +211,10 @@ class Frame:
         entry: str = "main",
         threads: Sequence[int] | None = None,
         constants: Mapping[str, float] | None = None,
+        indirect: Any = None,
         label: str = "",
     ) -> None:
-        """Record a compute pass over the frame's pixels (or other threads)."""
+        """Record a compute pass over the frame's pixels, other threads, or ``indirect``."""
         self.recorder.compute(
             shader,
             entry,
@@ -196,6 +222,7 @@ class Frame:
             self.resources | dict(resources or {}),
             self.constants | dict(constants or {}),
             label,
+            indirect,
         )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from scuro.passes.frame import Frame
-from scuro.style.paint import linear_rgba
+from scuro.style.paint import premultiplied, srgb
 
 
 def shade(frame: Frame) -> None:
@@ -24,8 +24,8 @@ def shade(frame: Frame) -> None:
 def encode(frame: Frame) -> None:
     """Turn ``color`` into ``picture``: sRGB, over the background or with straight alpha."""
     size = frame.resources["color"].size[:2]
-    frame.target("picture", "rgba8unorm", size=size)
-    background = linear_rgba(frame.settings.background)
-    frame.compute(
-        "passes/compose/encode.wgsl", {"encode": {"background": background}}, threads=size
-    )
+    red, green, blue, alpha = srgb(frame.settings.background)
+    empty = (red, green, blue, alpha) if alpha > 0 else (0.0, 0.0, 0.0, 0.0)
+    frame.target("picture", "rgba8unorm", size=size, clear=empty)
+    background = premultiplied(frame.settings.background)
+    frame.compute_shown("passes/compose/encode.wgsl", {"encode": {"background": background}})

@@ -43,11 +43,16 @@ fn ground_at(pixel: vec2u, texel: vec4f) -> Ground {
     return Ground(texel.w, steep * width, width * (1.0 + FACETS * dot(steep, steep)));
 }
 
-// The pixel's share of lines around four others: their offset, distance and depth (0 where empty).
-// A line begins half a pixel from its surface's last.
-fn shares(ground: Ground, xs: vec4f, ys: vec4f, away: vec4f, depths: vec4f) -> vec4f {
+// How far four others stand out from the pixel's surface: their offset, distance and depth (0 where
+// empty).
+fn jumps(ground: Ground, xs: vec4f, ys: vec4f, away: vec4f, depths: vec4f) -> vec4f {
     let rise = min(ground.slope.x * xs + ground.slope.y * ys, vec4f(0.0)) - away * ground.grain;
-    let jump = select(vec4f(0.0), ground.depth + rise - depths, depths > vec4f(0.0));
+    return select(vec4f(0.0), ground.depth + rise - depths, depths > vec4f(0.0));
+}
+
+// The pixel's share of lines around four others: their distance and jump. A line begins half a pixel
+// from its surface's last.
+fn shares(away: vec4f, jump: vec4f) -> vec4f {
     let width = borders.width * sqrt(saturate(jump / borders.jump));
     return select(vec4f(0.0), saturate(width + 1.0 - away), jump > vec4f(0.0));
 }
@@ -57,15 +62,20 @@ fn thin_line(pixel: vec2u, texel: vec4f) -> f32 {
     let ground = ground_at(pixel, texel);
     let scale = 1.0 / vec2f(textureDimensions(surface));
     var corner = vec2f(2.0, 0.0);
-    var covered = vec4f(0.0);
+    // of the four texels at each distance, the one that stands out most has the widest line
+    var away = sqrt(vec4f(1.0, 4.0, 5.0, 2.0));
+    var jump = vec4f(0.0);
     for (var i = 0u; i < 4u; i += 1u) {
         // the sampler repeats the last texels beyond the picture
         let depths = textureGather(3, surface, nearest, (vec2f(pixel) + corner) * scale);
         let xs = corner.x + vec4f(-1.0, 0.0, 0.0, -1.0);
         let ys = corner.y + vec4f(0.0, 0.0, -1.0, -1.0);
-        covered = max(covered, shares(ground, xs, ys, sqrt(xs * xs + ys * ys), depths));
+        // a quarter turn on, each distance comes one later
+        jump = max(jump, jumps(ground, xs, ys, away, depths)).yzwx;
+        away = away.yzwx;
         corner = vec2f(1.0 - corner.y, corner.x);
     }
+    let covered = shares(away, jump);
     return borders.opacity * max(max(covered.x, covered.y), max(covered.z, covered.w));
 }
 
@@ -87,7 +97,8 @@ fn wide_line(pixel: vec2u, texel: vec4f) -> f32 {
                 let place = clamp(vec2i(pixel) + vec2i(vec2f(xs[k], ys[k])), vec2i(0), last);
                 depths[k] = textureLoad(surface, place, 0).w;
             }
-            covered = max(covered, shares(ground, xs, ys, vec4f(length(step)), depths));
+            let away = vec4f(length(step));
+            covered = max(covered, shares(away, jumps(ground, xs, ys, away, depths)));
         }
     }
     return borders.opacity * max(max(covered.x, covered.y), max(covered.z, covered.w));

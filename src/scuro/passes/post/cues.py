@@ -8,6 +8,7 @@ from scuro.passes.frame import Frame
 from scuro.passes.geometry.tiles import find_tiles
 from scuro.passes.post.borders import THIN, borders_reach, borders_uniform
 from scuro.passes.post.fog import fog_uniform
+from scuro.passes.post.fxaa import asked_for, brightness_of
 from scuro.passes.post.halos import blur_depth, halos_reach, halos_uniform
 
 
@@ -37,6 +38,10 @@ def draw_cues(frame: Frame) -> None:
     if reach:
         find_tiles(frame, margin=reach, name="wide_tile")
     halos = halos_uniform(frame)
+    # where nothing comes between, what FXAA compares is stored at once
+    last = frame.resources["color"] is frame.sparse and not settings.depth_of_field.blur
+    on["BRIGHTNESS"] = asked_for(frame) and last
+    brightness = brightness_of(frame, on["BRIGHTNESS"])
     frame.replace_color(
         "passes/post/cues.wgsl",
         {
@@ -47,6 +52,7 @@ def draw_cues(frame: Frame) -> None:
             "smooth_edges": frame.gpu.linear_sampler,
             "borders": borders_uniform(frame),
             "nearest": frame.gpu.nearest_sampler,
+            **brightness,
         },
         tiles=True,
         constants=on,

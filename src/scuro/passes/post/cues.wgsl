@@ -7,6 +7,7 @@
 //#include "fog.wgsl"
 //#include "halos.wgsl"
 //#include "borders.wgsl"
+//#include "brightness.wgsl"
 
 @group(2) @binding(1) var color: texture_2d<f32>;
 @group(2) @binding(2) var replaced: texture_storage_2d<rgba16float, write>;
@@ -17,6 +18,8 @@ override HALOS: bool = false;
 // Borders of at most two pixels, and wider ones.
 override LINES: bool = false;
 override WIDE_LINES: bool = false;
+// What FXAA compares.
+override BRIGHTNESS: bool = false;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
@@ -40,6 +43,9 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     }
     if (WIDE_LINES) {
         shown = mix(shown, vec4f(borders.color, 1.0), wide_line(pixel, texel));
+    }
+    if (BRIGHTNESS) {
+        store_brightness(pixel, shown);
     }
     textureStore(replaced, pixel, shown);
 }

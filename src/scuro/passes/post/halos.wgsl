@@ -13,6 +13,6 @@ fn halo_strength(pixel: vec2u, depth: f32) -> f32 {
     let size = vec2f(textureDimensions(blurred));
     let around = textureSampleLevel(blurred, smooth_edges, place / size, 0.0).xy;
     // a straight edge covers half of the surroundings of the pixels along it
-    let behind = max(scaled(depth) - around.x / max(around.y, 1e-4), 0.0);
-    return halos.opacity * saturate(2.0 * around.y * select(1.0, behind, depth > 0.0));
+    let behind = select(around.y, scaled(depth) * around.y - around.x, depth > 0.0);
+    return halos.opacity * saturate(2.0 * behind);
 }

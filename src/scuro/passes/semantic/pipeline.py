@@ -69,7 +69,7 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
             ("lit", settings.blur_shadow if shadow > 0 else 0),
         )
     }
-    frame.target("color", "rgba16float", clear=_EMPTY)
+    frame.sparse = frame.target("color", "rgba16float", clear=_EMPTY)
     frame.compute_tiles("passes/semantic/combine.wgsl", occlusion, label="combine")
 
 

@@ -77,7 +77,7 @@ class Layers:
                 "layer_visible": layer.resources["visible"],
             }
         frame.targets.frame = drawn
-        blended = frame.target("blended", "rgba16float", clear=(0, 0, 0, 0))
+        blended = frame.sparse = frame.target("blended", "rgba16float", clear=(0, 0, 0, 0))
         frame.compute_tiles(
             "passes/transparent/over.wgsl",
             {"front": front, "replaced": blended},
