@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 
 import numpy as np
@@ -11,12 +12,16 @@ from PIL import Image
 from scuro.app.cli import INTERRUPTED, run
 from scuro.errors import SaveError, SettingsError
 from scuro.export import files
+from scuro.export.film_names import FADE, FilmNames
 from scuro.export.motion import Motion, MovieSettings, between, blended
 from scuro.export.movie import Film
-from scuro.export.scene_file import Input, SceneFile
+from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.render import Renderer
+from scuro.render_marks import name_text
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
+from scuro.scene.projection import project
+from scuro.style.labels import overlapping
 
 SMALL = ("--size", "48x36", "--style", "spacefill")
 
@@ -69,6 +74,58 @@ def test_a_broken_off_film_goes_on_and_comes_out_the_same(tmp_path, monkeypatch,
     assert run([*arguments, str(broken), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["drawn"] == 2
     assert broken.read_bytes() == whole.read_bytes()
+
+
+def named(**changes) -> Motion:
+    document = SceneFile(
+        input=(Input(path="sample:1hpv"),),
+        show=(Show(style="spacefill"),),
+        settings=Settings(size=(320, 240)).replace(labels__show="residues", labels__most=8),
+    )
+    return Motion(document, MovieSettings().replace(**{"length": 60, "swing": 12.0} | changes))
+
+
+def test_names_stay_on_their_points_fade_and_never_overlap():
+    renderer, motion = Renderer(), named(motion="rock")
+    names = FilmNames(renderer, motion)
+    fade = round(FADE * motion.movie.fps)
+    opacities: list[dict] = []
+    for frame in range(motion.length):
+        found = names.at(frame)
+        assert 0 < len(found) <= 8
+        camera = motion.camera(frame)
+        boxes = []
+        for label, x, y in found:
+            place = project(camera, [label.anchor], (320, 240))[0]
+            assert (x, y) == pytest.approx(tuple(place[:2]))
+            boxes.append(name_text(label, x, y, motion.settings).box)
+        for n, box in enumerate(boxes):
+            assert not overlapping(np.array(boxes[n + 1 :]).reshape(-1, 4), np.array(box)).any()
+        opacities.append({(label.key, label.anchor): label.opacity for label, _, _ in found})
+    changes = [
+        abs(b.get(key, 0) - a.get(key, 0))
+        for a, b in itertools.pairwise(opacities)
+        for key in a.keys() | b.keys()
+    ]
+    assert max(changes) <= 1 / (fade + 1) + 0.03, "nothing pops"
+    lives = {key for frame in opacities for key in frame}
+    assert len(lives) < 40, "names stay"
+    # what a frame shows follows from the film alone
+    again = FilmNames(Renderer(), named(motion="rock"))
+    assert again.at(37) == names.at(37)
+
+
+def test_a_film_with_names_goes_on_the_same_after_a_break(tmp_path):
+    renderer, motion = Renderer(), named(motion="rock", length=8)
+    films = [Film(tmp_path / name, motion, {}) for name in ("whole", "broken")]
+    assert len(list(films[0].draw(renderer))) == 8
+    drawing = films[1].draw(renderer)
+    assert [next(drawing) for _ in range(3)] == [0, 1, 2]
+    drawing.close()
+    assert list(Film(tmp_path / "broken", motion, {}).draw(Renderer())) == [3, 4, 5, 6, 7]
+    for number in range(8):
+        a, b = (film.frame_path(number).read_bytes() for film in films)
+        assert a == b, number
 
 
 def test_frames_of_another_film_are_not_taken(tmp_path, capsys):

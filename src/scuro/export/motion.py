@@ -67,6 +67,8 @@ class Moment:
     scene: Scene
     camera: Camera
     settings: Settings
+    plays: bool = False
+    """Whether atoms move from frame to frame."""
 
 
 class Motion:
@@ -129,6 +131,19 @@ class Motion:
 
     def at(self, frame: int) -> Moment:
         """The moment of a frame, from 0."""
+        share = frame / max(self.length - 1, 1)
+        self.scene.clip = self._swept(share)
+        if self._trajectory is not None:
+            place = share * (len(self._trajectory) - 1)
+            self.scene.molecules[0].molecule = self._trajectory.at(place)
+        settings = (
+            self.settings if self._look is None else blended(self.settings, self._look, share)
+        )
+        plays = self._trajectory is not None
+        return Moment(self.scene, self.camera(frame), settings, plays)
+
+    def camera(self, frame: int) -> Camera:
+        """The camera of a frame, from 0."""
         # a turntable must not show its first frame twice; all else ends where it should
         turn = frame / self.length
         share = frame / max(self.length - 1, 1)
@@ -139,14 +154,7 @@ class Motion:
             camera = self._zoom.camera(share)
         elif self.movie.motion == "rock":
             camera = camera.orbited(self.movie.swing * math.sin(2 * math.pi * turn), 0)
-        self.scene.clip = self._swept(share)
-        if self._trajectory is not None:
-            place = share * (len(self._trajectory) - 1)
-            self.scene.molecules[0].molecule = self._trajectory.at(place)
-        settings = (
-            self.settings if self._look is None else blended(self.settings, self._look, share)
-        )
-        return Moment(self.scene, camera, settings)
+        return camera
 
     def _swept(self, share: float) -> Clip:
         def moved(plane: Plane) -> Plane:

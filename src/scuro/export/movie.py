@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from scuro.errors import MissingExtraError, SaveError, SettingsError
 from scuro.export.files import check_writable, replacing
+from scuro.export.film_names import film_names
 from scuro.export.motion import Motion
 from scuro.export.png import PngWriter
 from scuro.render import Renderer
@@ -89,9 +90,12 @@ class Film:
 
     def draw(self, renderer: Renderer) -> Iterator[int]:
         """Draw the missing frames; gives the number of each when it is safe on disk."""
-        for number in self.missing:
+        missing = self.missing
+        names = film_names(renderer, self.motion) if missing else None
+        for number in missing:
             moment = self.motion.at(number)
-            image = renderer.render(moment.scene, moment.camera, moment.settings)
+            shown = names.at(number) if names is not None else None
+            image = renderer.render(moment.scene, moment.camera, moment.settings, shown)
             self.keep(number, image.pixels)
             yield number
 

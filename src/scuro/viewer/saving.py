@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import ScuroError, SettingsError
+from scuro.export.film_names import film_names
 from scuro.export.motion import Motion, MovieSettings
 from scuro.export.movie import Film, check_format
 from scuro.export.scene_file import SceneFile, write_scene_file
@@ -134,9 +135,16 @@ class Saving:
         renderer = Renderer(gpu=self.view.renderer.gpu)
         with TemporaryDirectory(prefix="scuro-") as folder:
             film = Film(Path(folder) / name, motion, {})
+            names = film_names(renderer, motion)
             for number in range(motion.length):
                 moment = motion.at(number)
-                frame = _pixels(renderer, lambda m=moment: m.scene, moment.camera, moment.settings)  # type: ignore[misc]
+                frame = _pixels(
+                    renderer,
+                    lambda m=moment: m.scene,  # type: ignore[misc]
+                    moment.camera,
+                    moment.settings,
+                    names.at(number) if names is not None else None,
+                )
                 film.keep(number, (yield from _shifted(frame, number, motion.length)))
             yield from scaled(in_thread(film.join), 1.0, 1.0)
             made = film.path.read_bytes()
