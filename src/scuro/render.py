@@ -175,17 +175,21 @@ class Renderer:
             The share of a part of the work that is done; nothing if all is there.
         """
         scene.show_reservoirs(settings.reservoir)
+        yield from self._patiently(self.accelerator_in_steps(scene))
+        part = self.parts(settings)[0]
+        frame = self._begun(scene, camera, with_implied(settings), part)
+        if frame.settings.renderer != "path" and frame.settings.semantic.mode == "off":
+            yield from self._patiently(prepare_occlusion(frame))
+        yield from self._volumes.prepare(frame, scene)
+
+    def _patiently(self, steps: Iterator[float]) -> Iterator[float]:
+        """Those of the steps at whose end the caller's turn has come."""
         begun = time.perf_counter()
-        for share in self.accelerator_in_steps(scene):
+        for share in steps:
             self.gpu.finish()  # a step is not done when it is submitted
             if time.perf_counter() - begun > self.patience:
                 yield share
                 begun = time.perf_counter()
-        part = self.parts(settings)[0]
-        frame = self._begun(scene, camera, with_implied(settings), part)
-        if frame.settings.renderer != "path" and frame.settings.semantic.mode == "off":
-            yield from prepare_occlusion(frame)
-        yield from self._volumes.prepare(frame, scene)
 
     def _colored(
         self,

@@ -41,7 +41,7 @@ def fill_table(gpu: Gpu, texture: Any, first: int, data: NDArray) -> None:
         row, column = divmod(first + done, WIDTH)
         rows = (len(data) - done) // WIDTH if column == 0 else 0
         count = rows * WIDTH or min(len(data) - done, WIDTH - column)
-        block = data[done : done + count].reshape(max(rows, 1), -1, data.shape[1])
+        block = data[done : done + count].reshape(max(rows, 1), -1, *data.shape[1:])
         gpu.write_texture(texture, block, origin=(column, row, 0))
         done += count
 
@@ -55,6 +55,11 @@ def _filled(gpu: Gpu, data: NDArray, format: str, what: str) -> Any:
 def table(gpu: Gpu, data: NDArray[np.uint32], what: str) -> Any:
     """A table of four integers an entry, from (n, 4)."""
     return _filled(gpu, data, "rgba32uint", what)
+
+
+def integer_table(gpu: Gpu, data: NDArray[np.uint32], what: str) -> Any:
+    """A table of one integer an entry, from (n,)."""
+    return _filled(gpu, data, "r32uint", what)
 
 
 def float_table(gpu: Gpu, data: NDArray[np.float32], what: str) -> Any:

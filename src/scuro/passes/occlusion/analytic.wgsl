@@ -17,8 +17,10 @@ struct Analytic {
 @group(2) @binding(0) var<uniform> analytic: Analytic;
 @group(2) @binding(1) var surface: texture_2d<f32>;
 @group(2) @binding(2) var ids: texture_2d<u32>;
-// for each slot the slots of the spheres around it, nearest first
+// for each slot of a sphere or rod the slots of the spheres around it, nearest first
 @group(2) @binding(3) var neighbours: texture_2d<u32>;
+// by object, what the rows of its slots in that table are less than the slots
+@group(2) @binding(5) var<storage, read> neighbours_skipped: array<u32>;
 @group(2) @binding(4) var result: texture_storage_2d<r32float, write>;
 
 // Cosine-weighted share of the hemisphere about n that a sphere blocks: c is the cosine between n
@@ -58,8 +60,9 @@ fn open_share(
     slot: u32, p: vec3f, n: vec3f, instance: Instance, clipped: bool, opacity: f32,
 ) -> f32 {
     var open = 1.0;
+    let row = slot - neighbours_skipped[instance.object];
     for (var i = 0u; i < analytic.texels; i += 1u) {
-        let four = textureLoad(neighbours, table_place(slot * analytic.texels + i), 0);
+        let four = textureLoad(neighbours, table_place(row * analytic.texels + i), 0);
         for (var j = 0u; j < 4u; j += 1u) {
             let index = four[j];
             let sphere = slot_at(select(index, slot, index == NO_PRIMITIVE));
@@ -98,6 +101,9 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     let n = rotate(inverse, texel.xyz);
     let flags = traced_object(id.z).flags;
     let clipped = (flags & UNCLIPPED) == 0u;
-    let open = open_share(slot_of(id.w), p, n, instance, clipped, opacity_of(flags));
+    var open = 1.0;
+    if (kind_of(id.w) != TRIANGLE) {
+        open = open_share(slot_of(id.w), p, n, instance, clipped, opacity_of(flags));
+    }
     textureStore(result, pixel, vec4f(open));
 }

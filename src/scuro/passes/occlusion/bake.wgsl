@@ -28,6 +28,8 @@ struct Bake {
 @group(0) @binding(3) var directions: texture_2d<f32>;
 // weighted visibility and weight; a negative weight marks a buried texel
 @group(0) @binding(4) var<storage, read_write> sums: array<vec2f>;
+// by object, what the rows of its slots in the table of neighbours are less than the slots
+@group(0) @binding(6) var<storage, read> neighbours_skipped: array<u32>;
 @group(0) @binding(5) var atlas: texture_storage_2d<r32float, write>;
 
 struct Place {
@@ -53,11 +55,12 @@ fn texel_place(primitive: u32, texel: vec2u) -> Place {
     return Place(middle.xyz + middle.w * n, n);
 }
 
-fn buried(primitive: u32, p: vec3f) -> bool {
+fn buried(primitive: u32, p: vec3f, object: u32) -> bool {
     let slot = slot_of(primitive);
+    let row = slot - neighbours_skipped[object];
     var inside = false;
     for (var i = 0u; i < bake.texels; i += 1u) {
-        let four = textureLoad(neighbours, table_place(slot * bake.texels + i), 0);
+        let four = textureLoad(neighbours, table_place(row * bake.texels + i), 0);
         for (var j = 0u; j < 4u; j += 1u) {
             let sphere = slot_at(select(four[j], slot, four[j] == NO_PRIMITIVE));
             let apart = p - sphere.xyz;
@@ -77,15 +80,15 @@ fn gather(@builtin(global_invocation_id) id: vec3u) {
     let which = patches[index / area];
     let texel = vec2u((index % area) % bake.edge, (index % area) / bake.edge);
     let here = texel_place(which.x, texel);
+    let instance = instance_at(which.y);
     var sum = sums[index];
-    if (bake.first == 0u && bake.edge > 1u && buried(which.x, here.position)) {
+    if (bake.first == 0u && bake.edge > 1u && buried(which.x, here.position, instance.object)) {
         sum.y = -1.0;
     }
     if (sum.y < 0.0) {
         sums[index] = sum;
         return;
     }
-    let instance = instance_at(which.y);
     for (var i = 0u; i < bake.count; i += 1u) {
         var w = textureLoad(directions, table_place(bake.first + i), 0).xyz;
         var normal = rotate(instance.rotation, here.normal);

@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
 from scuro.passes.frame import Frame
-from scuro.passes.occlusion.analytic import neighbour_table
+from scuro.passes.occlusion.neighbours import neighbours_in_steps
 from scuro.passes.occlusion.ray import fibonacci_sphere
 from scuro.settings import SettingsGroup, setting
+from scuro.steps import finished, scaled
 from scuro.trace import Accelerator
 from scuro.trace.pack import NO_PRIMITIVE, pack_geometry
 from scuro.trace.table import float_table
@@ -121,13 +122,7 @@ def _key(frame: Frame) -> tuple:
 
 def bake(frame: Frame) -> Atlas:
     """Bake all at once."""
-    steps = bake_in_steps(frame)
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            atlas: Atlas = end.value
-            return atlas
+    return finished(bake_in_steps(frame))
 
 
 def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Generator[float, None, Atlas]:
@@ -147,17 +142,21 @@ def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Generator[float, N
     pairs = fibonacci_sphere(settings.directions)[: max(1, settings.directions // 2)]
     texels = edge * edge * len(patches)
     atlas = gpu.texture((columns * wide, rows * wide), "r32float", label="baked occlusion")
-    resources = frame.resources | {
-        "patches": gpu.buffer(np.concatenate([patches, np.zeros((1, 2), np.uint32)])),
-        "neighbours": neighbour_table(frame, _NEIGHBOURS // 4),
-        "directions": float_table(
-            gpu,
-            np.concatenate([pairs, np.zeros((len(pairs), 1))], 1).astype(np.float32),
-            "directions",
-        ),
-        "sums": gpu.buffer(8 * max(1, texels), label="baked occlusion"),
-        "atlas": atlas,
-    }
+    found = yield from scaled(neighbours_in_steps(frame, _NEIGHBOURS), 0.0, 0.1)
+    resources = (
+        frame.resources
+        | found.resources
+        | {
+            "patches": gpu.buffer(np.concatenate([patches, np.zeros((1, 2), np.uint32)])),
+            "directions": float_table(
+                gpu,
+                np.concatenate([pairs, np.zeros((len(pairs), 1))], 1).astype(np.float32),
+                "directions",
+            ),
+            "sums": gpu.buffer(8 * max(1, texels), label="baked occlusion"),
+            "atlas": atlas,
+        }
+    )
     uniform = {
         "edge": edge,
         "columns": columns,
@@ -165,7 +164,7 @@ def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Generator[float, N
         "first": 0,
         "count": 0,
         "directions": len(pairs),
-        "texels": _NEIGHBOURS // 4,
+        "texels": found.texels,
         "offset": 0,
     }
 
@@ -182,7 +181,7 @@ def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Generator[float, N
 
     for first in range(0, len(pairs), slice_directions):
         run("gather", texels, first=first, count=min(slice_directions, len(pairs) - first))
-        yield min(1.0, (first + slice_directions) / len(pairs))
+        yield 0.1 + 0.9 * min(1.0, (first + slice_directions) / len(pairs))
     run("finish", wide * wide * len(patches))
     seconds = time.perf_counter() - start
     return Atlas(

@@ -12,9 +12,12 @@ The closed form keeps creases sharp that smoothing would blur.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from scuro.passes.filter.temporal import settle
 from scuro.passes.frame import Frame
 from scuro.passes.occlusion.analytic import block_analytically
+from scuro.passes.occlusion.neighbours import neighbours_in_steps
 from scuro.passes.occlusion.ray import UNFILTERED, occlusion_key, trace_visibility
 from scuro.settings import SettingsGroup, setting
 
@@ -28,6 +31,11 @@ class HybridSettings(SettingsGroup):
     reach: int = setting(
         6, "radius of the smoothing of the traced factor", low=1, high=32, unit="px"
     )
+
+
+def prepare(frame: Frame) -> Iterator[float]:
+    """Find neighbours in slices; yields the share that is done."""
+    yield from neighbours_in_steps(frame, frame.settings.occlusion.hybrid.neighbours)
 
 
 def draw(frame: Frame) -> None:
