@@ -37,9 +37,9 @@ if TYPE_CHECKING:
     from scuro.render import Renderer
 
 SURVEYS = 5.0
-"""A second of the film."""
-MOST_SURVEYS = 300
-FADE = 0.25
+"""A second of the film, at least, and so many in all: a short film changes faster."""
+LEAST_SURVEYS, MOST_SURVEYS = 60, 300
+FADE = 0.2
 """Seconds in which a name comes or goes."""
 _SEEN = 0.02
 """Opacity below which a name is not there."""
@@ -79,7 +79,8 @@ class FilmNames:
     def __init__(self, renderer: Renderer, motion: Motion) -> None:
         self._motion = motion
         self._size = eye_size(motion.settings.stereo, motion.settings.size)
-        every = max(1, round(motion.movie.fps / SURVEYS), -(-motion.length // MOST_SURVEYS))
+        every = min(round(motion.movie.fps / SURVEYS), motion.length // LEAST_SURVEYS)
+        every = max(1, every, -(-motion.length // MOST_SURVEYS))
         self._surveyed = sorted({*range(0, motion.length, every), motion.length - 1})
         tracks = self._tracks(renderer)
         tracks.sort(key=lambda track: -track.worth)
