@@ -213,7 +213,7 @@ def test_parts_join_without_seams(renderer, monkeypatch):
         monkeypatch.setattr(part, "fits", lambda *a: False)
         return split(size, **{**options, "edge": 768})
 
-    monkeypatch.setattr(sys.modules["scuro.render"], "split", small)
+    monkeypatch.setattr(sys.modules["scuro.render_parts"], "split", small)
     assert len(renderer.parts(settings)) > 1
     joined = renderer.render(scene, CAMERA, settings).pixels.astype(int)
     assert np.abs(whole - joined).max() <= 1
