@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
 from scuro.passes.post.stereo import eye_camera, eye_size
@@ -194,7 +195,7 @@ def _namer(scene: Scene, hierarchy: Hierarchy, settings: Settings) -> Namer:
         bodies = item.bodies() if hasattr(item, "bodies") else []
         if hasattr(item, "molecule"):
             if settings.labels.show == "atoms":
-                known = atom_names(item.molecule)
+                known = atom_names(item.molecule, select(item.molecule, settings.labels.select))
                 names |= {number + n: known for n in range(len(bodies))}
             if settings.labels.select != "all":
                 mask = select(item.molecule, settings.labels.select)
@@ -203,10 +204,10 @@ def _namer(scene: Scene, hierarchy: Hierarchy, settings: Settings) -> Namer:
     return Namer(hierarchy, names, masks)
 
 
-def atom_names(molecule: Any) -> list[str]:
-    """``ASP 25 CA``; of molecules of one residue the atom's name alone."""
+def atom_names(molecule: Any, chosen: NDArray[np.bool_]) -> list[str]:
+    """``ASP 25 CA``; where the chosen atoms are of one residue, an atom's name alone."""
     atoms = [str(name).strip() for name in molecule.atom_name]
-    if len(molecule.residue_name) < 2:
+    if len(np.unique(molecule.residue[chosen])) < 2:
         return atoms
     residues = [
         f"{name} {number}"

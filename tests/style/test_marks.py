@@ -155,6 +155,10 @@ def test_molecules_legends_say_what_colors_mean():
     (legend,) = legends(color="element")
     assert legend.swatches[0][1] == "C" and legend.more == 0
     assert legends(color="tomato") == []
+    (legend,) = legends(select="organic")
+    assert legend.title == "element" and {n for _, n in legend.swatches} == {"C", "N", "O", "S"}
+    (legend,) = legends()
+    assert legend.title == "chain"
     (legend,) = legends(color="hydrophobicity")
     assert legend.title.startswith("hydropathy") and (legend.low, legend.high) == (-4.5, 4.5)
 

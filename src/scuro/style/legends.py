@@ -139,7 +139,7 @@ def molecule_legends(item: MoleculeItem) -> Iterator[Legend]:
         if scale is not None:
             yield _quantity(molecule, mask, *scale)
             continue
-        named = _categories(molecule, shown.color)
+        named = _categories(molecule, shown.color, mask)
         if named is not None:
             title, names, order = named
             legend = _swatches(molecule, title, names, order, mask, shown.color)
@@ -167,7 +167,9 @@ def _quantity(
     )
 
 
-def _categories(molecule: Molecule, scheme: str) -> tuple[str, NDArray, bool] | None:
+def _categories(
+    molecule: Molecule, scheme: str, mask: NDArray[np.bool_]
+) -> tuple[str, NDArray, bool] | None:
     """Title, the name of each atom's class (empty for none), and whether to sort by number."""
     key = scheme.strip().lower().partition("+")[0]
     key = ALIASES.get(key, key)
@@ -176,7 +178,7 @@ def _categories(molecule: Molecule, scheme: str) -> tuple[str, NDArray, bool] | 
     if key in ("auto", "complex"):
         # chains of a complex, elements of all else
         several = len(np.unique(molecule.chain[polymer])) > 1
-        if several or key == "complex":
+        if (several or key == "complex") and (mask & polymer).any():
             return "chain", np.where(polymer, chains, ""), False
         key = "element"
         names = np.array(SYMBOLS, object)[molecule.element]

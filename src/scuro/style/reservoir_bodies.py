@@ -45,7 +45,8 @@ def reservoir_bodies(item: ReservoirItem) -> list[Body]:
     grid, settings = item.grid, item.settings
     name, e = grid.name, item.exaggeration
     chosen = np.zeros(grid.active.shape, bool)
-    chosen[grid.active] = item.chosen()
+    if item.show != "volume" or settings.faults or settings.lines:
+        chosen[grid.active] = item.chosen()
     bodies = []
     passing = chosen
     if item.show == "slices":
