@@ -24,14 +24,15 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     }
     let shaded = textureLoad(color, id, 0);
     let found = textureLoad(ids, id, 0);
-    if (found.z == 0xffffffffu) {
-        return;
-    }
-    var is_chosen = chosen[found.z];
-    if (is_chosen > 1u) {
-        is_chosen = chosen[is_chosen + found.x];
+    var is_chosen = 1u; // what is empty stays as it is, too
+    if (found.z != 0xffffffffu) {
+        is_chosen = chosen[found.z];
+        if (is_chosen > 1u) {
+            is_chosen = chosen[is_chosen + found.x];
+        }
     }
     if (is_chosen != 0u) {
+        textureStore(replaced, id, shaded);
         return;
     }
     var rest = vec4f(0.0, 0.0, 0.0, shaded.a);
