@@ -13,6 +13,7 @@ import numpy as np
 from scuro.errors import SettingsError
 from scuro.gpu import Gpu, Timings
 from scuro.image import Image
+from scuro.passes.compose.context import draw_context
 from scuro.passes.compose.lighting import lighting_of, lights_uniform, with_implied
 from scuro.passes.compose.shade import encode, shade
 from scuro.passes.filter.temporal import History
@@ -75,6 +76,7 @@ class Renderer:
         self.gpu = gpu or Gpu(device)
         self.targets = TargetPool(self.gpu)
         self._built = _Built()
+        self._context = _Built()
         self._volumes = Volumes()
         self.reservoirs = Reservoirs()
         self._paths = PathTracer()
@@ -84,12 +86,15 @@ class Renderer:
         """What frames drawn with ``accumulate`` found."""
 
     def accelerator(self, scene: Scene) -> Accelerator:
-        """The scene's acceleration structure, rebuilt only if a body was replaced."""
+        """The scene's acceleration structure, rebuilt only if a body was replaced.
+
+        Of all but the context: see :meth:`context`.
+        """
         return finished(self.accelerator_in_steps(scene))
 
     def accelerator_in_steps(self, scene: Scene) -> Generator[float, None, Accelerator]:
         """The same in short steps; the one that was there stays until the new one is whole."""
-        bodies, built = tuple(scene.bodies()), self._built
+        bodies, built = tuple(scene.occluders()), self._built
         bounds = scene.bounds()
         if built.accelerator is None or not built.holds(bodies, bounds):
             center = bounds.mean(axis=0)
@@ -97,12 +102,35 @@ class Renderer:
             built.accelerator, built.bodies, built.bounds = made, bodies, bounds
         return built.accelerator
 
+    def context(self, scene: Scene) -> Accelerator | None:
+        """That of what the scene shows as context, about the same centre; ``None`` without any."""
+        return finished(self.context_in_steps(scene))
+
+    def context_in_steps(self, scene: Scene) -> Generator[float, None, Accelerator | None]:
+        """The same in short steps, after those of :meth:`accelerator_in_steps`."""
+        bodies, built = tuple(scene.context()), self._context
+        center = (yield from self.accelerator_in_steps(scene)).center
+        if not bodies:
+            built.bodies, built.accelerator = (), None
+        elif not self._holds_context(bodies):
+            made = yield from build_in_steps(self.gpu, bodies, center)
+            built.accelerator, built.bodies = made, bodies
+        return built.accelerator
+
+    def _holds_context(self, bodies: tuple[Any, ...]) -> bool:
+        scene, context = self._built.accelerator, self._context.accelerator
+        if not bodies or scene is None or context is None:
+            return not bodies
+        return bodies == self._context.bodies and np.array_equal(scene.center, context.center)
+
     def holds(self, scene: Scene) -> bool:
         """Whether a frame of the scene needs no new acceleration structure."""
         built = self._built
         if built.accelerator is None:
             return False
-        return built.holds(tuple(scene.bodies()), scene.bounds())
+        return built.holds(tuple(scene.occluders()), scene.bounds()) and self._holds_context(
+            tuple(scene.context())
+        )
 
     def restart(self) -> None:
         """Forget what earlier frames of the same picture gathered."""
@@ -175,7 +203,7 @@ class Renderer:
             The share of a part of the work that is done; nothing if all is there.
         """
         scene.show_reservoirs(settings.reservoir)
-        yield from self._patiently(self.accelerator_in_steps(scene))
+        yield from self._patiently(self.context_in_steps(scene))
         part = self.parts(settings)[0]
         frame = self._begun(scene, camera, with_implied(settings), part)
         if frame.settings.renderer != "path" and frame.settings.semantic.mode == "off":
@@ -214,11 +242,15 @@ class Renderer:
             if settings.semantic.palette:
                 color_by_level(frame, scene.hierarchy())
             _light(frame)
-            self._layers.draw(frame, _light)
         else:
             shade_semantic(frame, scene.hierarchy(settings.semantic.parts))
         if frame.history is not None:
             frame.history.end(frame)
+        context = self.context(scene)
+        if context is not None:
+            draw_context(frame, context, scene.clip.cutting)
+        if settings.renderer != "path" and settings.semantic.mode == "off":
+            self._layers.draw(frame, _light)
         draw_attention(frame, scene)
         self._volumes.draw(frame, scene)
         self.reservoirs.draw(frame, scene)

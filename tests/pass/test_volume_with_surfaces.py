@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -34,6 +36,10 @@ def ball(center, radius) -> Body:
         ),
         material=Material(specular=0.0),
     )
+
+
+def context(center, radius) -> Body:
+    return replace(ball(center, radius), context=True)
 
 
 def slab(axis: int, low: int, high: int) -> VolumeItem:
@@ -78,6 +84,19 @@ def test_each_shadows_the_other(renderer):
     row = 63 - int((9 + 2) / 44 * 64)
     assert below[row, 32] < 0.95 * plain[row, 32]
     assert below[row, 6] == pytest.approx(plain[row, 6], abs=3)
+
+
+def test_a_volume_and_context_leave_each_others_light(renderer):
+    """As :func:`test_each_shadows_the_other`, but for a ball in simple light."""
+    changes = {"volume__shadow__on": True, "volume__shading": "none"}
+    free = picture(renderer, [slab(1, 0, 0)], [context((20, 12, 20), 5)], **changes)
+    under = picture(renderer, [slab(1, 28, 34)], [context((20, 12, 20), 5)], **changes)
+    row = 63 - int(15 / 44 * 64)
+    assert under[row, 32] == pytest.approx(free[row, 32], abs=0.5)
+    plain = picture(renderer, [slab(1, 4, 10)], [], **changes)
+    below = picture(renderer, [slab(1, 4, 10)], [context((20, 26, 36), 6)], **changes)
+    row = 63 - int((9 + 2) / 44 * 64)
+    assert below[row] == pytest.approx(plain[row], abs=3)
 
 
 def test_solids_fill_the_balls_space():

@@ -57,6 +57,9 @@ class Show(SettingsGroup):
     )
     opacity: float = setting(1.0, "1 is solid", low=0, high=1)
     optional: bool = setting(False, "leave it out where the selection matches nothing")
+    context: bool = setting(
+        False, "surroundings in simple light: neither occluded and shadowed nor doing so to others"
+    )
     sizes: Representation = Representation()
 
 
@@ -128,7 +131,8 @@ class SceneFile:
             shown = _spared(scene, self.show or (Show(),), clipping.spare)
         if clipping.cube is not None and clipping.cube_rest != "none" and scene.molecules:
             shown = shown or [(Show(), True)]
-            shown.append((Show(style=clipping.cube_rest, color="chain"), False))
+            rest = Show(style=clipping.cube_rest, color="chain", context=True)
+            shown.append((rest, False))
         for show, clipped in shown:
             if show.optional and not _matches(scene, show.select):
                 continue
@@ -138,6 +142,7 @@ class SceneFile:
                 color=show.color,
                 material=replace(Material(), opacity=show.opacity),
                 clipped=clipped,
+                context=show.context,
                 **_changed(show.sizes),
             )
         preset = PRESETS[self.settings.lighting.preset]

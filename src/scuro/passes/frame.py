@@ -16,6 +16,7 @@ from scuro.trace import Accelerator
 if TYPE_CHECKING:
     from scuro.passes.filter.temporal import History
     from scuro.render_settings import Settings
+    from scuro.scene.geometry import Body
 
 
 class TargetPool:
@@ -86,9 +87,16 @@ class Frame:
     """The texture that ``color`` was when it was last known to be empty outside of the tiles."""
     history: History | None = None
     """What earlier frames found, if this one goes on from them."""
+    context: Frame | None = None
+    """What was drawn in simple light, in textures of its own: see passes/compose/context.py."""
 
     def __post_init__(self) -> None:
         self.targets.frame = self
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All that is drawn, by the numbers of objects in ``ids``."""
+        return self.accelerator.bodies + (self.context.bodies if self.context else ())
 
     @property
     def px(self) -> float:

@@ -154,6 +154,9 @@ class Body:
     """Whether its triangles enclose solids, which show caps where planes cut them."""
     frames: Frames | None = None
     """Where the assembly that it belongs to stands; ``None`` for a body that stands by itself."""
+    context: bool = False
+    """Whether it is but the surroundings of what matters: drawn in simple light, neither darkened
+    by anything nor occluding or shadowing anything."""
 
     def __post_init__(self) -> None:
         if len(self.rotations) != len(self.positions):

@@ -34,6 +34,8 @@ class Shown:
     clipped: bool = True
     options: tuple[tuple[str, Any], ...] = ()
     """Values of :class:`scuro.style.representation.Representation` that differ from its own."""
+    context: bool = False
+    """Whether it is drawn in simple light: see :attr:`scuro.scene.geometry.Body.context`."""
 
 
 @dataclass(eq=False)
@@ -98,7 +100,7 @@ class MoleculeItem:
             geometry = build_geometry(molecule, shown.style, mask, colors, options)
             return [
                 Body(geometry, name=name, path=(name,), material=shown.material,
-                     clipped=shown.clipped)
+                     clipped=shown.clipped, context=shown.context)
             ]  # fmt: skip
         if self.assembly not in molecule.assemblies:
             known = ", ".join(molecule.assemblies) or "none"
@@ -113,7 +115,7 @@ class MoleculeItem:
             geometry = build_geometry(molecule, shown.style, here, colors, options)
             bodies.append(
                 Body(geometry, part.rotations, part.positions, name, (name,), shown.material,
-                     shown.clipped)
+                     shown.clipped, context=shown.context)
             )  # fmt: skip
         return bodies
 
@@ -201,6 +203,7 @@ class Scene:
         material: Material | None = None,
         opacity: float | None = None,
         clipped: bool = True,
+        context: bool = False,
         molecule: int | None = None,
         **options: Any,
     ) -> Scene:
@@ -213,6 +216,8 @@ class Scene:
             material: How the surface answers light.
             opacity: 1 is solid; the material's own by default.
             clipped: Whether clipping planes cut it.
+            context: Whether it is drawn in simple light, as the surroundings of all else: it
+                neither occludes nor casts shadows, and nothing darkens it.
             molecule: Index among the scene's molecules; all of them by default.
             options: Settings of :class:`scuro.style.representation.Representation`.
 
@@ -232,7 +237,9 @@ class Scene:
             if not 0 <= opacity <= 1:
                 raise SettingsError(f"opacity must lie between 0 and 1, not {opacity!r}")
             material = replace(material, opacity=float(opacity))
-        shown = Shown(style, select, color, material, clipped, tuple(sorted(options.items())))
+        shown = Shown(
+            style, select, color, material, clipped, tuple(sorted(options.items())), context
+        )
         for item in chosen:
             item.shown.append(shown)
         return self
@@ -262,12 +269,29 @@ class Scene:
         return self
 
     def bodies(self) -> list[Body]:
-        """All surfaces of the scene; bodies that did not change are the same objects as before."""
-        found: list[Body] = []
-        for item in self.items:
-            if hasattr(item, "bodies"):
-                found += item.bodies()
-        return [self._kept(body) for body in found + self.extra_bodies]
+        """All surfaces of the scene; bodies that did not change are the same objects as before.
+
+        Their order is that of the ids in the G-buffer: see :meth:`owners`.
+        """
+        return [self._kept(body) for _, _, body in self.owners()]
+
+    def owners(self) -> list[tuple[Any, int, Body]]:
+        """Every body before clipping, in the order of :meth:`bodies`: context comes last.
+
+        With its item (``None`` for one of no item) and its number among the item's bodies.
+        """
+        groups = [(item, item.bodies()) for item in self.items if hasattr(item, "bodies")]
+        groups.append((None, self.extra_bodies))
+        found = [(item, part, body) for item, bodies in groups for part, body in enumerate(bodies)]
+        return sorted(found, key=lambda owned: owned[2].context)
+
+    def occluders(self) -> list[Body]:
+        """The surfaces that occlude and cast shadows: all but those shown as context."""
+        return [body for body in self.bodies() if not body.context]
+
+    def context(self) -> list[Body]:
+        """The surfaces shown as context, in simple light."""
+        return [body for body in self.bodies() if body.context]
 
     def _kept(self, body: Body) -> Body:
         """The body, or what is left of it where clipping drops whole atoms."""
@@ -300,6 +324,7 @@ class Scene:
             elif hasattr(item, "bodies"):
                 found += [Divided(body) for body in item.bodies()]
         found += [Divided(body) for body in self.extra_bodies]
+        found.sort(key=lambda divided: divided.body.context)
         found = [replace(d, body=self._kept(d.body)) for d in found]
         made = hierarchy_of(found)
         self._hierarchy = bodies, made

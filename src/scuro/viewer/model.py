@@ -234,6 +234,7 @@ def _shows(scene: Scene) -> tuple[Show, ...]:
             color=shown.color,
             select=shown.select,
             opacity=shown.material.opacity,
+            context=shown.context,
             sizes=Representation(**{k: v for k, v in shown.options if k in sizes}),
         )
         for shown in scene.molecules[0].shown

@@ -87,11 +87,9 @@ def pick(drawn: Drawn, scene: Scene, x: float, y: float) -> Pick | None:
 def placed_bodies(scene: Scene) -> Iterator[tuple[Any, int, Body, int]]:
     """Every body in the order of the ids: its item, its number there, it, its first instance."""
     first = 0
-    groups = [(item, item.bodies()) for item in scene.items if hasattr(item, "bodies")]
-    for item, bodies in [*groups, (None, scene.extra_bodies)]:
-        for part, body in enumerate(bodies):
-            yield item, part, body, first
-            first += body.instances
+    for item, part, body in scene.owners():
+        yield item, part, body, first
+        first += body.instances
 
 
 def instance_number(scene: Scene, found: Pick) -> int | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from scuro.passes.frame import Frame
@@ -21,38 +23,48 @@ def find_tiles(frame: Frame, margin: float = 0.0, name: str = "tile") -> None:
     """Fill ``tile_list`` and ``tile_count`` for :meth:`Frame.compute_tiles`.
 
     Args:
-        frame: What is drawn.
+        frame: What is drawn; its context, too, once that is.
         margin: Samples around surfaces in which tiled passes shall draw, too.
         name: Of the buffers, to keep what an earlier call filled for passes already recorded.
     """
-    accelerator = frame.accelerator
     width, height = (-(-s // TILE) for s in frame.size)
     buffer = frame.targets.buffer
     mask = buffer(f"{name}_mask", 4 * width * height)
     count = buffer(f"{name}_count", 16, indirect=True)
     tiles = buffer(f"{name}_list", 4 * width * height)
-    frame.resources |= {"tile_mask": mask, "tile_count": count, "tile_list": tiles}
+    lists = {"tile_mask": mask, "tile_count": count, "tile_list": tiles}
+    frame.resources |= lists
     frame.recorder.clear_buffer(mask)
     frame.gpu.write_buffer(count, np.array([0, 1, 1, 0], np.uint32))
 
-    def run(entry: str, threads: int, **splat: float) -> None:
+    def run(drawn: Frame, entry: str, threads: int, **splat: float) -> None:
         uniform = {
             "clusters": 0, "first_cluster": 0, "first_instance": 0, "count": 0,
             "tiles": (width, height), "margin": 1.0 + margin,
         } | splat  # fmt: skip
         rows = -(-threads // (64 * 65535))
-        frame.compute(
+        drawn.compute(
             "passes/geometry/tiles.wgsl",
-            {"splat": uniform},
+            lists | {"splat": uniform},
             entry=entry,
             threads=(-(-threads // rows), rows),
             label="tiles",
         )
 
+    for drawn in (frame, frame.context):
+        if drawn is not None:
+            _mark(drawn, run)
+    run(frame, "gather", width * height)
+
+
+def _mark(drawn: Frame, run: Callable[..., None]) -> None:
+    """Mark the tiles of one accelerator's clusters, or of its instances."""
+    accelerator = drawn.accelerator
     runs = accelerator.cluster_runs
     if accelerator.cluster_instances <= _CLUSTERS_LIMIT and len(runs) <= _RUNS_LIMIT:
         for first_instance, copies, first, clusters in runs:
             run(
+                drawn,
                 "mark",
                 copies * clusters,
                 clusters=clusters,
@@ -65,5 +77,4 @@ def find_tiles(frame: Frame, margin: float = 0.0, name: str = "tile") -> None:
         whole = accelerator.whole_runs
     for first, count in whole:
         if count:
-            run("mark", count, first_instance=first, count=count)
-    run("gather", width * height)
+            run(drawn, "mark", count, first_instance=first, count=count)

@@ -48,7 +48,7 @@ def draw_attention(frame: Frame, scene: Scene) -> None:
     def table() -> Any:
         return frame.gpu.buffer(chosen_table(scene, settings.subtree), label="chosen")
 
-    key = settings.subtree, frame.accelerator
+    key = settings.subtree, frame.bodies
     chosen = frame.targets.table("attention", key, table)
     attention = {"how": HOW.index(settings.how), "strength": settings.strength}
     frame.replace_color(
@@ -69,19 +69,17 @@ def chosen_table(scene: Scene, words: str) -> NDArray[np.uint32]:
     if heads.any():
         return heads
     elements: list[NDArray[np.uint32]] = []
-    total, place = len(heads), 0
-    for item in scene.items:
-        count = len(item.bodies()) if hasattr(item, "bodies") else 0
-        if item in scene.molecules:
-            try:
-                mask = select(item.molecule, words).astype(np.uint32)
-            except SettingsError as error:
-                raise SettingsError(f"--attention '{words}': {error}") from None
-            if mask.any():
-                heads[place : place + count] = total
-                elements.append(mask)
-                total += len(mask)
-        place += count
+    total = len(heads)
+    owners = scene.owners()
+    for item in scene.molecules:
+        try:
+            mask = select(item.molecule, words).astype(np.uint32)
+        except SettingsError as error:
+            raise SettingsError(f"--attention '{words}': {error}") from None
+        if mask.any():
+            heads[[owner is item for owner, _, _ in owners]] = total
+            elements.append(mask)
+            total += len(mask)
     if not elements:
         known = sorted({name for body in bodies for name in body.path})
         raise SettingsError(f"--attention: {unknown('subtree', words, known)}")

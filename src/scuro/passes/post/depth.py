@@ -22,7 +22,7 @@ def depth_range(frame: Frame) -> tuple[float, float]:
 
     Clipping planes do not move it: fog must not jump while a plane sweeps through.
     """
-    key = (frame.camera, frame.accelerator.bodies)
+    key = (frame.camera, frame.bodies)
     found: tuple[float, float] = frame.targets.table("depth_range", key, lambda: _measured(*key))
     return found
 

@@ -101,7 +101,7 @@ class ReservoirLight:
         """
         settings = light_settings(frame.settings.volume, strategy)
         picture = self.picture
-        bodies = scene.bodies()
+        bodies = scene.occluders()
         view, lights = frame.resources["view"], self._lights(frame, scene, strategy)
         eye = np.asarray(view["scene_from_view"])[:, 2 if view["orthographic"] else 3]
         made_of = (settings, shown, clip, tuple(bodies), frozen(lights) if strategy.shadow else 0,

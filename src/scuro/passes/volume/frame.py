@@ -63,7 +63,7 @@ class Volumes:
         picture, settings, transfer = self._chosen(frame, scene)
         if settings.planes.on and settings.planes.alone:
             return
-        bodies = scene.bodies()
+        bodies = scene.occluders()
         lighted = settings.occlusion.on or settings.shadow.on
         solids = picture.solids(bodies) if lighted else None
         yield from picture.prepare(settings, transfer, scene.clip, solids)
@@ -108,7 +108,7 @@ class Volumes:
             color=frame.target("volume_color", "rgba16float"),
             depth=frame.target("volume_depth", "r32float"),
             surface=surface,
-            solids=picture.solids(bodies) if lighted else None,
+            solids=picture.solids(scene.occluders()) if lighted else None,
             **common,
         )
         on_surfaces = bool(bodies) and lighted
