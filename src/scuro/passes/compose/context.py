@@ -1,9 +1,8 @@
 """Context: surroundings of what matters, in simple light (Easdon 2013, section 5.4).
 
 What is shown as context is left out of the scene that techniques see: it neither occludes nor
-casts shadows in any of them, and theirs cost nothing for it. It is drawn by itself, one ray a pixel
-as far as the scene's first surface, shaded by the lights alone, and put into the frame where it is
-nearer.
+casts shadows in any of them, and theirs cost nothing for it. It is drawn by itself, shaded by the
+lights alone, and put into the frame where it is nearer.
 Later passes (transparent layers, volumes, depth cues, picking) take it for what it is: a surface.
 """
 
@@ -14,7 +13,8 @@ from dataclasses import replace
 from scuro.passes.compose.shade import shade
 from scuro.passes.frame import Frame, TargetPool
 from scuro.passes.geometry.tiles import find_tiles
-from scuro.passes.transparent.layers import OPAQUE, Layers, no_layer, see_layer
+from scuro.passes.geometry.visibility import draw_visibility
+from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.scene.clip import Clip
 from scuro.trace import Accelerator
 
@@ -31,14 +31,18 @@ def draw_context(frame: Frame, accelerator: Accelerator, clip: Clip) -> None:
         clip: What cuts those that are clipped.
     """
     context = _begun(frame, accelerator, clip)
-    find_tiles(context)
+    with opaque_only(context):
+        draw_visibility(context)
+    shade(context)
     frame.context = context
     find_tiles(frame, name="all_tile")
     smooth = frame.settings.renderer == "path"
     if smooth:
-        _draw_under(frame, context)
-    see_layer(context, frame.resources["surface"], no_layer(context), part=OPAQUE)
-    shade(context)
+        # what shows through the edges of a path-traced picture lies under it
+        under = {"front": frame.resources["color"], "color": context.resources["color"]}
+        frame.replace_color(
+            "passes/transparent/over.wgsl", under, tiles=True, constants={"LAST": True}
+        )
     _put(frame, context, smooth)
     _draw_layers(frame, context)
 
@@ -60,16 +64,6 @@ def _begun(frame: Frame, accelerator: Accelerator, clip: Clip) -> Frame:
     )
 
 
-def _draw_under(frame: Frame, context: Frame) -> None:
-    """Lay the context under a picture whose edges are smooth, for what shows through them."""
-    nothing = context.targets.get("nothing", frame.size, "rgba32float", attachment=True)
-    context.recorder.clear_texture(nothing, (0, 0, 0, 0))
-    see_layer(context, nothing, no_layer(context), part=OPAQUE)
-    shade(context)
-    under = {"front": frame.resources["color"], "color": context.resources["color"]}
-    frame.replace_color("passes/transparent/over.wgsl", under, tiles=True, constants={"LAST": True})
-
-
 def _put(frame: Frame, context: Frame, smooth: bool) -> None:
     """Put the context into the frame, at whose pixels it is nearer than all else."""
     behind = frame.resources
@@ -77,7 +71,8 @@ def _put(frame: Frame, context: Frame, smooth: bool) -> None:
     context.compute_tiles(
         "passes/compose/context_light.wgsl",
         {
-            "surface_behind": behind["surface"],
+            "scene_surface": behind["surface"],
+            "nearer": context.target("nearer", "r32float"),
             "over_color": behind["color"],
             "visibility": behind.get("visibility") or white,
             "shadow": behind.get("shadow") or white,

@@ -2,13 +2,15 @@
 
 //#include "tiles.wgsl"
 
-// of the context, nearer than the scene wherever there is any
+// of the context
 @group(2) @binding(0) var surface: texture_2d<f32>;
 @group(2) @binding(1) var color: texture_2d<f32>;
-@group(2) @binding(2) var surface_behind: texture_2d<f32>;
+@group(2) @binding(2) var scene_surface: texture_2d<f32>;
 @group(2) @binding(3) var over_color: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(4) var visibility: texture_storage_2d<r32float, write>;
 @group(2) @binding(5) var shadow: texture_storage_2d_array<r32float, write>;
+// 1 where the context is nearer than the scene
+@group(2) @binding(6) var nearer: texture_storage_2d<r32float, write>;
 
 override HAS_OCCLUSION: bool = false;
 override HAS_SHADOWS: bool = false;
@@ -19,10 +21,17 @@ override SMOOTH: bool = false;
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let id = tile_pixel(group, local);
-    if (any(id >= textureDimensions(surface)) || textureLoad(surface, id, 0).w <= 0.0) {
+    if (any(id >= textureDimensions(nearer))) {
         return;
     }
-    if (!SMOOTH || textureLoad(surface_behind, id, 0).w > 0.0) {
+    let depth = textureLoad(surface, id, 0).w;
+    let scene_depth = textureLoad(scene_surface, id, 0).w;
+    let shows = depth > 0.0 && (scene_depth <= 0.0 || depth < scene_depth);
+    textureStore(nearer, id, vec4f(select(0.0, 1.0, shows)));
+    if (!shows) {
+        return;
+    }
+    if (!SMOOTH || scene_depth > 0.0) {
         textureStore(over_color, id, textureLoad(color, id, 0));
     }
     if (HAS_OCCLUSION) {

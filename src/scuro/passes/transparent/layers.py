@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
 
 from scuro.passes.filter.temporal import History
 from scuro.passes.frame import Frame, TargetPool
@@ -19,7 +18,7 @@ from scuro.passes.geometry.visibility import EMPTY_IDS
 
 MOST_LAYERS = 4
 """Objects behind each other that a pixel shows."""
-OPAQUE, TRANSPARENT = 1, 2
+_OPAQUE, _TRANSPARENT = 1, 2
 """As in wgsl/opacity.wgsl."""
 
 
@@ -27,42 +26,9 @@ OPAQUE, TRANSPARENT = 1, 2
 def opaque_only(frame: Frame) -> Iterator[None]:
     """Passes in this block meet opaque objects only."""
     if frame.constants["HAS_OPACITY"]:
-        frame.constants["PART"] = OPAQUE
+        frame.constants["PART"] = _OPAQUE
     yield
     frame.constants.pop("PART", None)
-
-
-def no_layer(frame: Frame) -> dict[str, Any]:
-    """What stands for the layer before the first."""
-    return {
-        "layer_surface": frame.targets.get("no layer", (1, 1), "rgba32float"),
-        "layer_visible": frame.targets.get("no layer seen", (1, 1), "rgba32uint"),
-    }
-
-
-def see_layer(
-    layer: Frame, opaque: Any, before: dict[str, Any], *, part: int, later: bool = False
-) -> None:
-    """Fill a layer's G-buffer with the nearest surfaces in front of the ``opaque`` one.
-
-    Args:
-        layer: A frame with textures of its own.
-        opaque: Texture like ``surface``, beyond which nothing is looked for.
-        before: ``layer_surface`` and ``layer_visible`` of the layer in front, or :func:`no_layer`.
-        part: Which objects: :data:`OPAQUE` or :data:`TRANSPARENT` ones.
-        later: Whether there is a layer in front.
-    """
-    layer.target("visible", "rgba32uint", attachment=True)
-    layer.compute_tiles(
-        "passes/transparent/layer.wgsl",
-        before | {"opaque_surface": opaque},
-        constants={"PART": part, "LATER": later},
-        label="transparent",
-    )
-    layer.target("surface", "rgba32float", clear=(0, 0, 0, 0))
-    layer.target("albedo", "rgba16float", clear=(0, 0, 0, 0))
-    layer.target("ids", "rgba32uint", clear=EMPTY_IDS)
-    layer.compute_tiles("passes/geometry/resolve.wgsl", label="transparent")
 
 
 class Layers:
@@ -83,7 +49,10 @@ class Layers:
             return
         pools = self._pools(frame, min(count, MOST_LAYERS))
         front = frame.target("layers", "rgba16float", clear=(0, 0, 0, 0))
-        before = no_layer(frame)
+        before = {
+            "layer_surface": frame.targets.get("no layer", (1, 1), "rgba32float"),
+            "layer_visible": frame.targets.get("no layer seen", (1, 1), "rgba32uint"),
+        }
         drawn = frame.targets.frame
         for index, pool in enumerate(pools):
             layer = replace(
@@ -92,8 +61,7 @@ class Layers:
             )  # fmt: skip
             for name in ("visibility", "shadow"):
                 layer.resources.pop(name, None)
-            see_layer(layer, frame.resources["surface"], before, part=TRANSPARENT, later=index > 0)
-            self._remember(frame, layer, index)
+            self._see(frame, layer, before, index)
             light(layer)
             if layer.history is not None:
                 layer.history.end(layer)
@@ -118,8 +86,19 @@ class Layers:
         )
         frame.resources["color"] = blended
 
-    def _remember(self, frame: Frame, layer: Frame, index: int) -> None:
-        """Let the layer go on from the one of the frame before."""
+    def _see(self, frame: Frame, layer: Frame, before: dict, index: int) -> None:
+        """Fill the layer's G-buffer."""
+        layer.target("visible", "rgba32uint", attachment=True)
+        layer.compute_tiles(
+            "passes/transparent/layer.wgsl",
+            before | {"opaque_surface": frame.resources["surface"]},
+            constants={"PART": _TRANSPARENT, "LATER": index > 0},
+            label="transparent",
+        )
+        layer.target("surface", "rgba32float", clear=(0, 0, 0, 0))
+        layer.target("albedo", "rgba16float", clear=(0, 0, 0, 0))
+        layer.target("ids", "rgba32uint", clear=EMPTY_IDS)
+        layer.compute_tiles("passes/geometry/resolve.wgsl", label="transparent")
         if frame.history is not None:
             while len(self._histories) <= index:
                 self._histories.append(History())
