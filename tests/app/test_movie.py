@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import subprocess
 
 import numpy as np
 import pytest
@@ -53,6 +54,32 @@ def test_videos_have_their_frames_and_size(tmp_path, ending):
     reader = ffmpeg.read_frames(str(film))
     assert next(reader)["size"] == (50, 38)  # padded to even
     assert len(list(reader)) == 3
+
+
+@pytest.mark.parametrize("ending", ["mp4", "webm"])
+def test_videos_say_how_their_colors_are_to_be_read(tmp_path, ending):
+    """Read as HD video, which the file says it is, colours are those of the frames."""
+    ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    film = tmp_path / f"red.{ending}"
+    background = ("--background", "#c83214", "--lighting", "flat")
+    assert run(["movie", "sample:1hpv", "--size", "64x48", "--length", "2", *background,
+                "-o", str(film)]) == 0  # fmt: skip
+    said = subprocess.run([ffmpeg.get_ffmpeg_exe(), "-i", str(film)], capture_output=True).stderr
+    assert b"bt709" in said
+    as_hd = ["-vf", "scale=in_color_matrix=bt709:in_range=tv"]
+    reader = ffmpeg.read_frames(str(film), output_params=as_hd)
+    size = next(reader)["size"]
+    frame = np.frombuffer(next(reader), np.uint8).reshape(*size[::-1], 3)
+    assert np.abs(frame[:3, :3].astype(int) - (0xC8, 0x32, 0x14)).max() <= 4
+
+
+def test_films_take_more_rays_unless_told(tmp_path):
+    scene = SceneFile((Input(path="sample:1hpv"),), settings=Settings(size=(32, 24)))
+    assert Motion(scene, MovieSettings(length=2)).at(0).settings.occlusion.samples == 16
+    for changes in ({"occlusion__samples": 3}, {"occlusion__technique": "gtao"}):
+        told = scene.settings.replace(**changes)
+        kept = Motion(SceneFile(scene.input, settings=told), MovieSettings(length=2)).at(0).settings
+        assert kept.occlusion == told.occlusion
 
 
 def test_a_broken_off_film_goes_on_and_comes_out_the_same(tmp_path, monkeypatch, capsys):

@@ -16,6 +16,7 @@ from scuro.export.looks import with_look
 from scuro.export.scene_file import SceneFile
 from scuro.export.zoom import zoom_of, zoom_settings
 from scuro.load.trajectory import Trajectory, open_trajectory
+from scuro.passes.compose.lighting import with_implied
 from scuro.passes.post.stereo import eye_size
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
@@ -31,6 +32,10 @@ EASINGS: dict[str, Callable[[float], float]] = {
     "out": lambda t: t * (2 - t),
 }
 """How time passes between two key frames, 0 to 1."""
+
+
+_STEADY = 16
+"""Rays of occlusion a pixel in films; see docs/decisions.md."""
 
 
 class MovieSettings(SettingsGroup):
@@ -140,7 +145,7 @@ class Motion:
             self.settings if self._look is None else blended(self.settings, self._look, share)
         )
         plays = self._trajectory is not None
-        return Moment(self.scene, self.camera(frame), settings, plays)
+        return Moment(self.scene, self.camera(frame), steady(settings), plays)
 
     def camera(self, frame: int) -> Camera:
         """The camera of a frame, from 0."""
@@ -202,6 +207,17 @@ class Motion:
         if span <= 0:
             return before[2]
         return between(before[2], after[2], EASINGS[after[1]]((second - before[0]) / span))
+
+
+def steady(settings: Settings) -> Settings:
+    """Settings of a film's frame: enough rays of occlusion that its grain does not flicker.
+
+    A number of samples that someone chose stays.
+    """
+    implied = with_implied(settings).occlusion
+    if settings.occlusion.samples is not None or implied.technique not in ("ray", "hybrid"):
+        return settings
+    return settings.replace(occlusion__samples=_STEADY)
 
 
 def between(a: Camera, b: Camera, share: float) -> Camera:

@@ -36,6 +36,15 @@ _CODECS = {
     ".mp4": ["-c:v", "libx264", "-crf", "18", "-preset", "medium", "-movflags", "+faststart"],
     ".webm": ["-c:v", "libvpx-vp9", "-crf", "28", "-b:v", "0", "-row-mt", "1"],
 }
+_COLORS = [
+    # chroma in pairs of pixels needs even sizes
+    "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white,"
+    "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int",
+    # said in the file: players take what says nothing for one or the other by its size
+    "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1",
+    "-color_range", "tv",
+]  # fmt: skip
+"""HD video's way from sRGB to luma and chroma."""
 FORMATS = (".gif", *_CODECS)
 
 
@@ -171,8 +180,7 @@ class Film:
             quality=None,
             macro_block_size=1,
             pix_fmt_out="yuv420p",
-            # chroma in pairs of pixels needs even sizes
-            output_params=[*codec[2:], "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white"],
+            output_params=[*codec[2:], *_COLORS],
         )
         try:
             writer.send(None)
