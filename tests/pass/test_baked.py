@@ -39,6 +39,16 @@ def test_a_cluster_looks_as_rays_see_it(technique, bound):
         assert abs(error.mean()) < 0.015
 
 
+def test_few_texels_an_atom_keep_the_creases():
+    scene = scene_of(spheres(*CLUSTER))
+    truth, seen = visibility(scene, "ray", samples=512, filter="none")
+    found, _ = visibility(scene, "baked", baked__edge=8, baked__directions=512)
+    dark = seen & (truth < np.quantile(truth[seen], 0.15))
+    error = found - truth
+    assert np.sqrt(np.mean(error[seen] ** 2)) < 0.06
+    assert np.sqrt(np.mean(error[dark] ** 2)) < 0.08 and abs(error[dark].mean()) < 0.03
+
+
 def test_one_small_sphere_blocks_by_the_squared_ratio():
     # cosine weighted, straight above: (r / d)²; the point faces the eye, the blocker is beside it
     scene = scene_of(spheres((0, 0, 0, 1), (0, 0, 3, 0.5)))
@@ -65,7 +75,7 @@ def test_baking_in_steps_tells_its_share_and_ends_alike():
     scene = scene_of(spheres(*CLUSTER))
     settings = Settings(size=(64, 48)).replace(occlusion__technique="none")
     frame = renderer().frame(scene, FRONT, settings)
-    shares = list(bake_in_steps(frame, slice_directions=16))
+    shares = list(bake_in_steps(frame, slice_rays=3000))
     assert shares == sorted(shares) and shares[-1] == 1
     atlas = bake(frame)
     assert atlas.patches == len(CLUSTER) and 0 < atlas.bytes < 64 * 2**20

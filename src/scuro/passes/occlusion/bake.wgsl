@@ -1,6 +1,6 @@
 // Baking visibility into patches: a texel of a patch is a point of an atom's or bond's surface.
 
-//#include "trace.wgsl"
+//#include "fan_visibility.wgsl"
 //#include "octahedral.wgsl"
 //#include "sampling.wgsl"
 
@@ -10,26 +10,27 @@ struct Bake {
     // patches in a row of the atlas
     columns: u32,
     patches: u32,
-    // directions of this slice, and of all
-    first: u32,
-    count: u32,
-    directions: u32,
+    // rays of a texel
+    rays: u32,
     // texels of four neighbours a slot
     texels: u32,
-    // first texel of this dispatch
+    // first texel, or place in the list of open ones, of this dispatch, and how many
     offset: u32,
+    count: u32,
 }
 
 @group(0) @binding(0) var<uniform> bake: Bake;
 // primitive and instance of each patch
 @group(0) @binding(1) var<storage, read> patches: array<vec2u>;
 @group(0) @binding(2) var neighbours: texture_2d<u32>;
-// one of each pair of opposite directions
+// points of the unit sphere, evenly spread
 @group(0) @binding(3) var directions: texture_2d<f32>;
-// weighted visibility and weight; a negative weight marks a buried texel
-@group(0) @binding(4) var<storage, read_write> sums: array<vec2f>;
+// visibility; -1 where a texel is buried
+@group(0) @binding(4) var<storage, read_write> values: array<f32>;
 // by object, what the rows of its slots in the table of neighbours are less than the slots
 @group(0) @binding(6) var<storage, read> neighbours_skipped: array<u32>;
+// how many texels are not buried, and which
+@group(0) @binding(7) var<storage, read_write> open_texels: array<atomic<u32>>;
 @group(0) @binding(5) var atlas: texture_storage_2d<r32float, write>;
 
 struct Place {
@@ -55,6 +56,57 @@ fn texel_place(primitive: u32, texel: vec2u) -> Place {
     return Place(middle.xyz + middle.w * n, n);
 }
 
+// How many caps a texel may be moved out of.
+const RISES: u32 = 2u;
+
+// Where on its sphere a buried texel would come to light, or where it is if it is not buried.
+struct Risen {
+    normal: vec3f,
+    // whether that is far away, or not found
+    buried: bool,
+}
+
+// Out of the caps that other spheres cut off, the deepest first. The caps' edges are creases: what is
+// seen of them in between texels then comes from points beside them, and not from guesses.
+fn risen(primitive: u32, normal: vec3f, object: u32) -> Risen {
+    let slot = slot_of(primitive);
+    let row = slot - neighbours_skipped[object];
+    let own = slot_at(slot);
+    var n = normal;
+    var deepest = 0.0;
+    for (var turn = 0u; turn <= RISES; turn += 1u) {
+        var toward = vec3f(0.0);
+        var edge = 0.0;
+        deepest = 0.0;
+        for (var i = 0u; i < 4u * bake.texels; i += 1u) {
+            let four = textureLoad(neighbours, table_place(row * bake.texels + i / 4u), 0);
+            let index = four[i % 4u];
+            let other = slot_at(select(index, slot, index == NO_PRIMITIVE));
+            let apart = other.xyz - own.xyz;
+            let d = max(length(apart), 1e-6);
+            // cosine of the cap's half angle
+            let cap = (own.w * own.w + d * d - other.w * other.w) / (2.0 * own.w * d);
+            let deep = dot(n, apart) / d - cap;
+            if (index != NO_PRIMITIVE && deep > max(deepest, 1e-4)) {
+                deepest = deep;
+                toward = apart / d;
+                edge = cap;
+            }
+        }
+        if (deepest <= 0.0 || turn == RISES) {
+            break;
+        }
+        // just beyond the edge, straight away from the cap's middle
+        let beyond = 0.05 * PI / f32(bake.edge) * sqrt(max(1.0 - edge * edge, 0.0));
+        let c = clamp(edge - max(1e-3, beyond), -1.0, 1.0);
+        let across = n - dot(n, toward) * toward;
+        n = c * toward + sqrt(1.0 - c * c) * normalize(across + 1e-7);
+    }
+    let far = acos(clamp(dot(n, normal), -1.0, 1.0)) > 2.5 * PI / f32(2u * bake.edge);
+    return Risen(n, deepest > 0.0 || far);
+}
+
+// Whether a point is inside another sphere.
 fn buried(primitive: u32, p: vec3f, object: u32) -> bool {
     let slot = slot_of(primitive);
     let row = slot - neighbours_skipped[object];
@@ -70,50 +122,84 @@ fn buried(primitive: u32, p: vec3f, object: u32) -> bool {
     return inside;
 }
 
+// Where a texel's rays start, and whether none do.
+fn seen_place(primitive: u32, texel: vec2u, object: u32, hidden: ptr<function, bool>) -> Place {
+    var here = texel_place(primitive, texel);
+    if (kind_of(primitive) == SPHERE) {
+        let up = risen(primitive, here.normal, object);
+        let own = slot_at(slot_of(primitive));
+        here = Place(own.xyz + own.w * up.normal, up.normal);
+        *hidden = up.buried;
+    } else {
+        *hidden = buried(primitive, here.position, object);
+    }
+    return here;
+}
+
+fn fan_direction(fan: Fan, index: u32) -> vec3f {
+    return cosine_direction(fan.normal, textureLoad(directions, table_place(index), 0).xyz);
+}
+
+// A single texel stands for a whole atom: each ray has the point it leaves from.
+fn mean_visibility(primitive: u32, instance: Instance) -> f32 {
+    let a = slot_at(slot_of(primitive));
+    let center = instance.center + rotate(instance.rotation, a.xyz);
+    var open = 0.0;
+    for (var i = 0u; i < bake.rays; i += 1u) {
+        let w = textureLoad(directions, table_place(i), 0).xyz;
+        let position = center + a.w * w;
+        let origin = position + w * surface_offset(position, 0.0);
+        open += select(1.0, 0.0, trace_any(Ray(origin, w), 0.0, NOTHING));
+    }
+    return open / f32(bake.rays);
+}
+
+fn texel_of(index: u32) -> vec2u {
+    let within = index % (bake.edge * bake.edge);
+    return vec2u(within % bake.edge, within / bake.edge);
+}
+
+// Texels that are not buried, listed so that no lane waits for those that are.
+@compute @workgroup_size(64)
+fn sift(@builtin(global_invocation_id) id: vec3u) {
+    let index = bake.offset + id.x;
+    if (id.x >= bake.count) {
+        return;
+    }
+    let which = patches[index / (bake.edge * bake.edge)];
+    var hidden = false;
+    if (bake.edge > 1u) {
+        _ = seen_place(which.x, texel_of(index), instance_at(which.y).object, &hidden);
+    }
+    if (hidden) {
+        values[index] = -1.0;
+    } else {
+        atomicStore(&open_texels[1u + atomicAdd(&open_texels[0], 1u)], index);
+    }
+}
+
 @compute @workgroup_size(64)
 fn gather(@builtin(global_invocation_id) id: vec3u) {
-    let index = bake.offset + id.x;
-    let area = bake.edge * bake.edge;
-    if (index >= bake.patches * area) {
+    if (id.x >= bake.count) {
         return;
     }
-    let which = patches[index / area];
-    let texel = vec2u((index % area) % bake.edge, (index % area) / bake.edge);
-    let here = texel_place(which.x, texel);
+    let index = atomicLoad(&open_texels[1u + bake.offset + id.x]);
+    let which = patches[index / (bake.edge * bake.edge)];
     let instance = instance_at(which.y);
-    var sum = sums[index];
-    if (bake.first == 0u && bake.edge > 1u && buried(which.x, here.position, instance.object)) {
-        sum.y = -1.0;
-    }
-    if (sum.y < 0.0) {
-        sums[index] = sum;
+    if (bake.edge == 1u) {
+        values[index] = mean_visibility(which.x, instance);
         return;
     }
-    for (var i = 0u; i < bake.count; i += 1u) {
-        var w = textureLoad(directions, table_place(bake.first + i), 0).xyz;
-        var normal = rotate(instance.rotation, here.normal);
-        if (bake.edge == 1u) {
-            // a single texel stands for the whole atom: each direction has the point it leaves from
-            normal = w;
-        }
-        let facing = dot(normal, w);
-        w *= select(-1.0, 1.0, facing >= 0.0);
-        var local = here.position;
-        if (bake.edge == 1u) {
-            let a = slot_at(slot_of(which.x));
-            local = a.xyz + a.w * rotate(conjugate(instance.rotation), w);
-        }
-        let position = instance.center + rotate(instance.rotation, local);
-        let origin = position + normal * surface_offset(position, 0.0);
-        let open = select(1.0, 0.0, trace_any(Ray(origin, w), 0.0, NOTHING));
-        sum += vec2f(open, 1.0) * abs(facing);
-    }
-    sums[index] = sum;
+    var hidden = false;
+    let here = seen_place(which.x, texel_of(index), instance.object, &hidden);
+    let normal = rotate(instance.rotation, here.normal);
+    let position = instance.center + rotate(instance.rotation, here.position);
+    let fan = fan_at(position + normal * surface_offset(position, 0.0), normal);
+    values[index] = fan_visibility(fan, bake.rays, NOTHING);
 }
 
 fn value_at(index: u32, texel: vec2u) -> f32 {
-    let sum = sums[index * bake.edge * bake.edge + texel.x + bake.edge * texel.y];
-    return select(-1.0, sum.x / max(sum.y, 1e-9), sum.y > 0.0);
+    return values[index * bake.edge * bake.edge + texel.x + bake.edge * texel.y];
 }
 
 // A texel of the patch or just beside it: octahedra wrap over their edges, rods around the axis.

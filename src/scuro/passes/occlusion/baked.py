@@ -2,10 +2,11 @@
 and every bond, gathered once and free at run time.
 
 Patches of spheres unfold as octahedra, those of rods by height and angle, each with a border of
-replicated texels. Every texel sends a ray along one of each pair of opposite directions, weighted
-by the cosine. A geometry of several instances is baked on its first: in an assembly all copies have
-like surroundings. Triangles have no patch and stay open. With more than ``MOST_PATCHES`` primitives
-a patch is one texel, the average over the whole atom.
+replicated texels. Every texel sends half as many rays as there are directions, spread by the
+cosine; one that another atom hides sends them from the nearest spot of its own that is seen. A
+geometry of several instances is baked on its first: in an assembly all copies have like
+surroundings. Triangles have no patch and stay open. With more than ``MOST_PATCHES`` primitives a
+patch is one texel, the average over the whole atom.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from numpy.typing import NDArray
 from scuro.errors import SettingsError
 from scuro.passes.frame import Frame
 from scuro.passes.occlusion.neighbours import neighbours_in_steps
-from scuro.passes.occlusion.ray import fibonacci_sphere
+from scuro.passes.occlusion.ray import fan_constants, fibonacci_sphere
 from scuro.settings import SettingsGroup, setting
 from scuro.steps import finished, scaled
 from scuro.trace import Accelerator
@@ -38,7 +39,7 @@ class BakedSettings(SettingsGroup):
     """Baked occlusion."""
 
     directions: int = setting(
-        128, "directions in all, in opposite pairs: each texel sees half", low=2, high=8192
+        128, "directions over the whole sphere, of which each texel sees half", low=2, high=8192
     )
     megabytes: float = setting(
         48.0, "most memory for the atlas: decides the size of a patch", low=1, high=4096, unit="MB"
@@ -125,12 +126,12 @@ def bake(frame: Frame) -> Atlas:
     return finished(bake_in_steps(frame))
 
 
-def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Generator[float, None, Atlas]:
-    """Bake a few directions at a time; yields the share that is done, returns the :class:`Atlas`.
+def bake_in_steps(frame: Frame, slice_rays: int = 1 << 19) -> Generator[float, None, Atlas]:
+    """Bake a few texels at a time; yields the share that is done, returns the :class:`Atlas`.
 
     Args:
         frame: Of the scene; nothing of it is drawn.
-        slice_directions: Directions a step.
+        slice_rays: Rays a step, in whole texels.
     """
     start = time.perf_counter()
     gpu, settings = frame.gpu, frame.settings.occlusion.baked
@@ -139,7 +140,7 @@ def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Generator[float, N
     wide = edge + 2
     columns = max(1, min(8192 // wide, len(patches)))
     rows = max(1, -(-len(patches) // columns))
-    pairs = fibonacci_sphere(settings.directions)[: max(1, settings.directions // 2)]
+    rays = max(1, settings.directions // 2)
     texels = edge * edge * len(patches)
     atlas = gpu.texture((columns * wide, rows * wide), "r32float", label="baked occlusion")
     found = yield from scaled(neighbours_in_steps(frame, _NEIGHBOURS), 0.0, 0.1)
@@ -149,11 +150,10 @@ def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Generator[float, N
         | {
             "patches": gpu.buffer(np.concatenate([patches, np.zeros((1, 2), np.uint32)])),
             "directions": float_table(
-                gpu,
-                np.concatenate([pairs, np.zeros((len(pairs), 1))], 1).astype(np.float32),
-                "directions",
+                gpu, np.pad(fibonacci_sphere(rays), ((0, 0), (0, 1))).astype("f4"), "directions"
             ),
-            "sums": gpu.buffer(8 * max(1, texels), label="baked occlusion"),
+            "open_texels": gpu.buffer(4 * (texels + 1), label="texels to bake"),
+            "values": gpu.buffer(4 * max(1, texels), label="baked occlusion"),
             "atlas": atlas,
         }
     )
@@ -161,28 +161,27 @@ def bake_in_steps(frame: Frame, slice_directions: int = 8) -> Generator[float, N
         "edge": edge,
         "columns": columns,
         "patches": len(patches),
-        "first": 0,
-        "count": 0,
-        "directions": len(pairs),
+        "rays": rays,
         "texels": found.texels,
-        "offset": 0,
     }
+    constants = frame.constants | fan_constants(frame, rays)
 
-    def run(entry: str, threads: int, **changes: int) -> None:
-        for offset in range(0, threads, _LIMIT):
-            gpu.compute(
-                "passes/occlusion/bake.wgsl",
-                entry,
-                (min(_LIMIT, threads - offset),),
-                resources | {"bake": uniform | {"offset": offset} | changes},
-                frame.constants,
-            )
-        gpu.finish()
+    def run(entry: str, threads: int, step: int) -> Iterator[float]:
+        for offset in range(0, threads, step):
+            count = min(step, threads - offset)
+            bake = {"bake": uniform | {"offset": offset, "count": count}}
+            shader = "passes/occlusion/bake.wgsl"
+            gpu.compute(shader, entry, (count,), resources | bake, constants)
+            gpu.finish()
+            yield min(1.0, (offset + step) / threads)
 
-    for first in range(0, len(pairs), slice_directions):
-        run("gather", texels, first=first, count=min(slice_directions, len(pairs) - first))
-        yield 0.1 + 0.9 * min(1.0, (first + slice_directions) / len(pairs))
-    run("finish", wide * wide * len(patches))
+    for share in run("sift", texels, 1 << 18):
+        yield 0.1 + 0.1 * share
+    listed = int(gpu.read_buffer(resources["open_texels"], np.uint32)[0])
+    for share in run("gather", listed, min(_LIMIT, max(64, slice_rays // rays))):
+        yield 0.2 + 0.75 * share
+    for share in run("finish", wide * wide * len(patches), 1 << 20):
+        yield 0.95 + 0.05 * share
     seconds = time.perf_counter() - start
     return Atlas(
         atlas,

@@ -5,7 +5,7 @@
 
 //#include "view.wgsl"
 //#include "tiles.wgsl"
-//#include "trace_fan.wgsl"
+//#include "fan_visibility.wgsl"
 //#include "sampling.wgsl"
 
 struct Rays {
@@ -35,19 +35,13 @@ fn direction_at(place: vec2u, index: u32) -> vec3f {
     return textureLoad(directions, table_place(class_index * rays.samples + index), 0).xyz;
 }
 
-fn ray_direction(fan: Fan, place: vec2u, index: u32) -> vec3f {
-    return cosine_direction(fan.normal, direction_at(place, index));
+// The sample of the picture at hand: a pixel, or a block at half resolution.
+var<private> place_at_hand: vec2u;
+
+fn fan_direction(fan: Fan, index: u32) -> vec3f {
+    return cosine_direction(fan.normal, direction_at(place_at_hand, index));
 }
 
-fn quad_at(fan: Fan, place: vec2u, first: u32) -> Quad {
-    let a = ray_direction(fan, place, first);
-    let b = ray_direction(fan, place, first + 1u);
-    let c = ray_direction(fan, place, first + 2u);
-    let d = ray_direction(fan, place, first + 3u);
-    return Quad(vec4f(a.x, b.x, c.x, d.x), vec4f(a.y, b.y, c.y, d.y), vec4f(a.z, b.z, c.z, d.z));
-}
-
-// `place` counts the samples of the picture: pixels, or blocks at half resolution.
 fn visibility_at(pixel: vec2u, place: vec2u) -> f32 {
     let texel = textureLoad(surface, pixel, 0);
     if (texel.w <= 0.0) {
@@ -55,33 +49,8 @@ fn visibility_at(pixel: vec2u, place: vec2u) -> f32 {
     }
     let position = scene_position(vec2f(pixel) + 0.5, texel.w);
     let fan = fan_at(position + texel.xyz * surface_offset(position, texel.w), texel.xyz);
-    var open = 0.0;
-    for (var first = 0u; first < rays.samples; first += ROUND) {
-        // the rays of this round that are still to be traced, a bit each
-        var left = (1u << min(ROUND, rays.samples - first)) - 1u;
-        if (FIRST_CELL_AT_ONCE) {
-            left &= fan_open(
-                fan, rays.distance, quad_at(fan, place, first), quad_at(fan, place, first + 4u),
-                quad_at(fan, place, first + 8u), quad_at(fan, place, first + 12u),
-            );
-        }
-        var query: Pending;
-        query.ended = true;
-        query.found = true;
-        loop {
-            if (query.ended) {
-                open += select(1.0, 0.0, query.found);
-                if (left == 0u) {
-                    break;
-                }
-                let direction = ray_direction(fan, place, first + firstTrailingBit(left));
-                left &= left - 1u;
-                query = any_begin(fan, direction, rays.distance);
-            }
-            any_go_on(&query);
-        }
-    }
-    return open / f32(rays.samples);
+    place_at_hand = place;
+    return fan_visibility(fan, rays.samples, rays.distance);
 }
 
 // Lanes in blocks of 4 x 2 pixels, which start in the same cells.
