@@ -20,7 +20,7 @@ from scuro.trace import Accelerator
 from scuro.trace.pack import PackedGeometry, sorted_by
 from scuro.trace.table import empty_table, integer_table, table
 
-STEP = 1 << 15
+STEP = 1 << 13
 """So many lists are made in one step."""
 _CELLS_A_SPHERE = 4
 

@@ -168,7 +168,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             look_around(&n, p, own, center, reach, behind);
             // what lies in cells beyond is farther than this
             let sure = search.cell * (f32(reach) + edge);
-            if (n.d.w <= sure * sure || reach >= farthest) {
+            let farthest_asked = vec4f(n.a.w, n.b.w, n.c.w, n.d.w)[min(search.texels - texel, 4u) - 1u];
+            if (farthest_asked <= sure * sure || reach >= farthest) {
                 break;
             }
             reach += 1;
