@@ -206,7 +206,7 @@ def test_a_volumes_pyramid_is_built_in_slices_and_is_the_same(renderer):
     values = np.random.default_rng(1).random((20, 24, 28), np.float32)
     volume, center = Volume(values), np.zeros(3)
     grid = VolumeGrid(renderer.gpu, volume, center)
-    classified = Classified(grid, choose_transfer(volume), 0.5, None)
+    classified = Classified(grid, choose_transfer(volume))
     uniform = grid.uniform(0.5, Clip(), center, classified.table_end)
     whole = Pyramid(classified, uniform)
     sliced = Pyramid(classified, uniform, build=False)

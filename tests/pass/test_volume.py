@@ -71,6 +71,37 @@ def ball(n=48, radius=16.0, matrix=None) -> Volume:
     return Volume(values, np.eye(4) if matrix is None else matrix)
 
 
+@pytest.mark.parametrize("jitter", [0.0, 1.0])
+@pytest.mark.parametrize("step", [0.5, 1.7, 6.0])
+def test_a_shell_thinner_than_a_step_is_neither_missed_nor_found_twice(gpu, step, jitter):
+    """Where values are linear along rays the integral over a segment is that over its values."""
+    count = 40
+    values = np.broadcast_to(np.linspace(0, 1, count)[:, None, None], (count, 8, 8))
+    volume = Volume(np.ascontiguousarray(values, np.float32))
+    points = ((0.0, 0.0), (0.59, 0.0), (0.6, 0.9), (0.61, 0.0))
+    shell = TransferFunction(WHITE, points)
+    settings = PLAIN.replace(step=step, jitter=jitter)
+    color, _, _ = draw(gpu, volume, settings, shell, size=(16, 16))
+    extinction = -np.log1p(-shell.table(0.0, 1.0, 1024)[:, 3].astype(float))
+    expected = 1 - np.exp(-(count - 1) * np.trapezoid(extinction, dx=1 / 1023))
+    assert 0.2 < expected < 0.8
+    # values are half floats: one in 2,000
+    np.testing.assert_allclose(color[6:10, 6:10, 3], expected, atol=4e-3)
+
+
+@pytest.mark.parametrize("high", [0.8, 0.86, 0.93])
+def test_thin_matter_is_not_lost_behind_values_of_dense_matter(gpu, high):
+    """The integrals' differences stay exact where the sum before them is large."""
+    count = 40
+    values = np.full((count, 8, 8), 0.75, np.float32)
+    values[::2] = high
+    values[0, 0, 0], values[0, 0, 1] = 0.0, 1.0  # give the values their whole range
+    opacity = 5e-5
+    points = ((0.0, 0.999), (0.5, 0.999), (0.51, 0.0), (0.6, 0.0), (0.7, opacity), (1.0, opacity))
+    color, _, _ = draw(gpu, Volume(values), PLAIN, TransferFunction(WHITE, points), size=(16, 16))
+    assert color[6:10, 6:10, 3].mean() == pytest.approx(count * opacity, rel=0.01)
+
+
 @pytest.mark.parametrize("step", [0.25, 0.5, 1.0])
 def test_transmittance_of_a_constant_medium(gpu, step):
     """24 voxels of opacity 0.1 leave 0.9^24, whatever the step."""

@@ -77,7 +77,7 @@ def test_more_bounces_bring_more_light_and_never_more_than_there_is(gpu):
 
 @pytest.mark.parametrize("light", ["path", "monte-carlo"])
 def test_further_samples_are_added(light):
-    """A picture of 8 samples on the way to 16 is not thrown away, and ends as 16 from scratch."""
+    """A picture of 2 samples on the way to 16 is not thrown away, and ends as 16 from scratch."""
     from scuro.render_settings import Settings
     from scuro.scene.scene import Scene, VolumeItem
 
@@ -87,11 +87,11 @@ def test_further_samples_are_added(light):
     settings = Settings(size=(12, 12)).replace(volume__light=light, volume__samples=16)
     renderer = Renderer()
     camera = renderer.fitted(scene, settings)
-    renderer.render(scene, camera, settings.replace(volume__samples=8))
+    renderer.render(scene, camera, settings.replace(volume__samples=2))
     grown = renderer.render(scene, camera, settings).pixels
     renderer.restart()
     fresh = renderer.render(scene, camera, settings).pixels
-    fewer = renderer.render(scene, camera, settings.replace(volume__samples=8)).pixels
+    fewer = renderer.render(scene, camera, settings.replace(volume__samples=2)).pixels
     assert np.abs(grown.astype(int) - fresh).max() <= 1
     assert np.abs(grown.astype(int) - fewer).max() > 1
 

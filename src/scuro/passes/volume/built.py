@@ -52,10 +52,8 @@ class BuiltVolume:
 
     def classified(self, transfer: TransferFunction, settings: VolumeSettings) -> Classified:
         """Tables and empty space of a transfer function."""
-        key = (transfer, settings.step, settings.iso)
-        return self.keep(
-            "classified", key, lambda: Classified(self.grid, transfer, settings.step, settings.iso)
-        )
+        key = (transfer, settings.iso)
+        return self.keep("classified", key, lambda: Classified(self.grid, transfer, settings.iso))
 
     def uniform(self, settings: VolumeSettings, clip: Clip, classified: Classified) -> dict:
         """The ``Volume`` uniform."""

@@ -24,12 +24,11 @@ class Classified:
     Args:
         grid: The volume.
         transfer: The transfer function.
-        step: Distance between samples along primary rays, in mean voxel edges.
         iso: Data value of the isosurface shown instead, if any.
     """
 
     def __init__(
-        self, grid: VolumeGrid, transfer: TransferFunction, step: float, iso: float | None = None
+        self, grid: VolumeGrid, transfer: TransferFunction, iso: float | None = None
     ) -> None:
         self.grid = grid
         self.gpu = grid.gpu
@@ -43,8 +42,7 @@ class Classified:
         table[:, 3] = self.extinction
         # textures, not buffers: software adapters load from them several times faster
         self.colors = self.gpu.texture_from(table[None], "rgba32float")
-        corrected = -np.expm1(-self.extinction * step)
-        self.step_opacity = self.gpu.texture_from(corrected[None], "r32float")
+        self.integrals = self.gpu.texture_from(_integrals(self.extinction)[None], "rgba32float")
         voxel_opacity = -np.expm1(-self.extinction)
         self.voxel_opacity = self.gpu.texture_from(voxel_opacity[None], "r32float")
         self.iso = None if iso is None else (iso - grid.low) / (grid.high - grid.low)
@@ -102,6 +100,24 @@ class Classified:
             if self.grid.volume.labels
             else self.gpu.level_sampler,
             "colors": self.colors,
-            "step_opacity": self.step_opacity,
+            "integrals": self.integrals,
             "distances": self.distances,
         }
+
+
+def _integrals(extinction: NDArray[np.float64]) -> NDArray[np.float32]:
+    """(ENTRIES, 4) what segments.wgsl takes differences of; see volume.wgsl for the columns.
+
+    The first integral comes as two single-precision numbers: differences of one would drown thin
+    matter whose values lie beyond those of dense matter.
+    """
+    entry = np.arange(len(extinction), dtype=np.float64)
+    moment = extinction * entry
+
+    def summed(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.concatenate([[0.0], np.cumsum((values[1:] + values[:-1]) / 2)])
+
+    total = summed(extinction)
+    coarse = total.astype(np.float32)
+    fine = total - coarse
+    return np.stack([coarse, fine, extinction, summed(moment)], axis=1).astype(np.float32)

@@ -158,6 +158,7 @@ class VolumePicture(BuiltVolume):
         }
         constants = {
             "ISOSURFACE": settings.iso is not None,
+            "LABELS": self.volume.labels,
             "SURFACES": surfaces,
             "PHONG": settings.shading == "phong",
             "SHADOWED": settings.shadow.on,

@@ -1,11 +1,15 @@
-// Emission-absorption ray casting, front to back. The including shader defines
+// Emission-absorption ray casting, front to back. Between two samples the value is taken to be
+// linear, and the segment's extinction and middle come from integrals over the values in between
+// (Engel, Kraus and Ertl 2001, section 3.3, here with one-dimensional tables), so that neither thin
+// shells nor hard contours depend on where samples fall. The including shader defines
 //   fn light_at(point: Point) -> vec3f
 // the light that reaches a sample, which multiplies its color.
 
 //#include "rays.wgsl"
+//#include "segments.wgsl"
 
-// Slow shaders march a ray in pieces of so many samples that are shaded; 0 for all at once. What is
-// left through and the next sample's number go from piece to piece; a ray's end has no next sample.
+// Slow shaders march a ray in pieces of so many segments that are shaded; 0 for all at once. What is
+// left through and the next segment's number go from piece to piece; a ray's end has no next one.
 override PIECE: u32 = 0u;
 var<private> piece: vec2f = vec2f(1.0, 0.0);
 const ENDED: f32 = 1e9;
@@ -30,57 +34,71 @@ fn integrate(pixel: vec2u) -> Result {
     let origin = texture_position(ray.origin);
     let direction = texture_direction(ray.direction);
     let inverse = 1.0 / select(direction * volume.size, vec3f(1e-20), abs(direction) < vec3f(1e-20));
-    let start = span.near + volume.step * start_shift(pixel);
+    // segments end on a lattice, where the first is short by chance
+    let lattice = span.near + volume.step * (1.0 - start_shift(pixel));
     var color = vec3f(0.0);
     var through = piece.x;
     var seen = 0.0;
+    // the segment's number, and its front
     var k = piece.y;
+    var front = Station(0.0, 0.0, 0u, vec4f(0.0));
+    var known = false;
     var shaded = 0u;
     piece.y = ENDED;
     loop {
-        // to the next sample that is not clear: an inner loop, so that groups of lanes with
+        // to the next segment that is not clear: an inner loop, so that groups of lanes with
         // nothing to shade do not run through the shading
-        var t: f32;
-        var uvw: vec3f;
-        var index: u32;
-        var opacity = 0.0;
+        var back: Station;
+        var depth = 0.0;
         loop {
-            t = start + k * volume.step;
-            // leaps alone first: they need no sample. They stay on the ray's own lattice of
-            // samples, so that they do not change the picture
-            var leap = 1.0;
-            for (; leap > 0.0 && t < end;) {
-                leap = empty_length((origin + t * direction) * volume.size, inverse);
-                k += select(0.0, max(1.0, ceil(leap / volume.step - 0.001)), leap > 0.0);
-                t = start + k * volume.step;
+            // leaps alone first: they need no sample. They stay on the ray's own lattice, so that
+            // they do not change the picture, and end on its last place in the empty space
+            var t = front_of(k, span.near, lattice);
+            var hops = 1.0;
+            for (; hops > 0.0 && t < end;) {
+                let leap = empty_length((origin + t * direction) * volume.size, inverse);
+                hops = max(floor(leap / volume.step - 0.001), 0.0);
+                known = known && hops == 0.0;
+                k += hops;
+                t = front_of(k, span.near, lattice);
             }
             if (t >= end) {
                 break;
             }
-            uvw = origin + t * direction;
-            index = table_index(value_at(uvw));
-            opacity = textureLoad(step_opacity, vec2u(index, 0u), 0).x;
-            if (opacity > 0.0) {
+            if (!known) {
+                front = station(t, origin + t * direction);
+                known = true;
+            }
+            t = min(front_of(k + 1.0, span.near, lattice), end);
+            back = station(t, origin + t * direction);
+            depth = mean_extinction(front, back) * (back.t - front.t) / volume.voxel;
+            if (depth > 0.0) {
                 break;
             }
+            front = back;
             k += 1.0;
         }
-        if (opacity <= 0.0) {
+        if (depth <= 0.0) {
             break;
         }
-        let weight = through * opacity;
+        let weight = through * (1.0 - exp(-depth));
+        let share = centroid(front, back);
+        let t = mix(front.t, back.t, share);
         var cut_normal = vec3f(0.0);
-        if (span.cut < volume.cut_count && k < 1.0) {
+        if (span.cut < volume.cut_count && t < span.near + volume.step) {
             cut_normal = -volume.cuts[span.cut].xyz;
         }
+        let uvw = origin + t * direction;
         let point = Point(ray.origin + t * ray.direction, uvw, ray.direction, t, weight,
             cut_normal, pixel);
-        color += weight * color_at(index).rgb * light_at(point);
+        color += weight * color_at(table_index(mix(front.value, back.value, share))).rgb
+            * light_at(point);
         through -= weight;
         seen = select(seen, t, seen == 0.0 && through < 0.5);
         if (through < march.cutoff) {
             break;
         }
+        front = back;
         k += 1.0;
         if (PIECE > 0u) {
             shaded += 1u;
@@ -95,6 +113,11 @@ fn integrate(pixel: vec2u) -> Result {
         return Result(vec4f(color, 1.0 - through), seen);
     }
     return Result(whole(color, through), seen);
+}
+
+// Where segment `k` begins.
+fn front_of(k: f32, near: f32, lattice: f32) -> f32 {
+    return select(lattice + (k - 1.0) * volume.step, near, k < 1.0);
 }
 
 // What the cut-off left is spread over what was seen, so that opaque things are opaque.

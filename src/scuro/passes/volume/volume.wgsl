@@ -35,8 +35,9 @@ const BLOCK: f32 = 4.0;
 @group(1) @binding(2) var trilinear: sampler;
 // linear color, and extinction coefficient per mean voxel edge, at equal steps of the value
 @group(1) @binding(3) var colors: texture_2d<f32>;
-// opacity of one step of the ray
-@group(1) @binding(4) var step_opacity: texture_2d<f32>;
+// integral of extinction from the first entry, in two parts; extinction; integral of extinction
+// times the entry's number
+@group(1) @binding(4) var integrals: texture_2d<f32>;
 // for each block: blocks to the nearest that is not empty (Chebyshev distance), 0 where occupied
 @group(1) @binding(5) var<storage, read> distances: array<u32>;
 
