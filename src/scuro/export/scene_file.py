@@ -19,6 +19,7 @@ from scuro.errors import LoadError, SaveError, SettingsError
 from scuro.export import toml
 from scuro.export.files import replacing
 from scuro.export.png import is_png, read_settings
+from scuro.export.reading import Fault, group_from
 from scuro.load import LoadOptions
 from scuro.render_settings import Settings
 from scuro.scene.clip import Clip, ClippingSettings, Cut
@@ -26,15 +27,13 @@ from scuro.scene.lights import Light
 from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings
 from scuro.scene.volume import Volume
-from scuro.settings import SettingsGroup, checked, parameters, setting, subgroups, unknown
+from scuro.settings import SettingsGroup, parameters, setting, unknown
 from scuro.style.options import Representation
 
 VERSION = 1
 """Of the format; raised when an older scuro could not read what a newer one writes."""
 _VERSION_KEY = "scuro"
 _ARRAYS = ("input", "show", "light", "clip")
-_AUTO = "auto"
-"""Stands for ``None``, which TOML does not have."""
 
 
 class Input(SettingsGroup):
@@ -221,7 +220,7 @@ def read_scene_file(path: str | PathLike[str]) -> SceneFile:
         values, lines = toml.parse(text, path), toml.Lines(text)
     try:
         return _document(values, Path(path).parent)
-    except _Fault as fault:
+    except Fault as fault:
         raise LoadError(path, fault.why, lines.find(fault.key)) from None
 
 
@@ -259,20 +258,12 @@ def write_scene_file(
         file.write("\n".join(parts).encode())
 
 
-class _Fault(Exception):
-    """Something is wrong at a key: a tuple of names and, in arrays of tables, numbers."""
-
-    def __init__(self, key: tuple[str | int, ...], why: str) -> None:
-        super().__init__(why)
-        self.key, self.why = key, why
-
-
 def _document(values: Mapping[str, Any], folder: Path) -> SceneFile:
     version = values.get(_VERSION_KEY)
     if not isinstance(version, int):
-        raise _Fault((), f"is no scene file: it lacks the line '{_VERSION_KEY} = {VERSION}'")
+        raise Fault((), f"is no scene file: it lacks the line '{_VERSION_KEY} = {VERSION}'")
     if version > VERSION:
-        raise _Fault(
+        raise Fault(
             (_VERSION_KEY,),
             f"was written by a newer scuro (scene format {version}, this one reads {VERSION}): "
             "upgrade with 'pip install -U scuro'",
@@ -293,13 +284,13 @@ def _document(values: Mapping[str, Any], folder: Path) -> SceneFile:
         if key == _VERSION_KEY:
             continue
         if key not in kinds:
-            raise _Fault((key,), unknown("key", key, kinds))
+            raise Fault((key,), unknown("key", key, kinds))
         if key in _ARRAYS:
             if not isinstance(value, list):
-                raise _Fault((key,), f"{key} is an array of tables: write [[{key}]]")
-            made[key] = tuple(_group(kinds[key], v, (key, i)) for i, v in enumerate(value))
+                raise Fault((key,), f"{key} is an array of tables: write [[{key}]]")
+            made[key] = tuple(group_from(kinds[key], v, (key, i)) for i, v in enumerate(value))
         else:
-            made[key] = _group(kinds[key], value, (key,))
+            made[key] = group_from(kinds[key], value, (key,))
     made["input"] = tuple(
         line.replace(path=_found(line.path, folder)) for line in made.get("input", ())
     )
@@ -308,39 +299,6 @@ def _document(values: Mapping[str, Any], folder: Path) -> SceneFile:
         if getattr(load, name) is not None:
             made["load"] = load = load.replace(**{name: _found(getattr(load, name), folder)})
     return SceneFile(**made)
-
-
-def _group(kind: type[SettingsGroup], values: Any, place: tuple[str | int, ...]) -> Any:
-    """A settings group from plain values; a fault names the key's place."""
-    if not isinstance(values, Mapping):
-        raise _Fault(place, f"{_dotted(place)} is a table of settings, not a single value")
-    singles = {p.name: p for p in parameters(kind)}
-    groups = dict(subgroups(kind))
-    made: dict[str, Any] = {}
-    for key, value in values.items():
-        here = (*place, key)
-        if key in groups:
-            made[key] = _group(groups[key], value, here)
-        elif key in singles:
-            p = singles[key]
-            value = tuple(value) if isinstance(value, list) else value
-            if p.optional and value == _AUTO:
-                value = None
-            try:
-                made[key] = checked(p, value)
-            except SettingsError as error:
-                raise _Fault(here, f"{_dotted(here)}: {error}") from None
-        else:
-            names = [_dotted((*place, name)) for name in (*singles, *groups)]
-            raise _Fault(here, unknown("key", _dotted(here), names))
-    try:
-        return kind(**made)
-    except SettingsError as error:
-        raise _Fault(place, f"{_dotted(place)}: {error}") from None
-
-
-def _dotted(place: tuple[str | int, ...]) -> str:
-    return ".".join(str(p) for p in place if not isinstance(p, int))
 
 
 def _moved_load(load: LoadOptions, folder: Path | None, absolute: bool = False) -> LoadOptions:
