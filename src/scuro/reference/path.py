@@ -87,7 +87,11 @@ class PathTracer:
             _SHADER,
             {"paths": uniform},
             entry=entry,
-            constants={"SHINY": bool(kinds - {"diffuse"}), "HAS_GLASS": "glass" in kinds},
+            constants={
+                "SHINY": bool(kinds - {"diffuse"}),
+                "HAS_GLASS": "glass" in kinds,
+                "LIGHT_COUNT": frame.resources["lights"]["count"],
+            },
             label="path",
         )
 

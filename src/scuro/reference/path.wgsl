@@ -31,6 +31,10 @@ struct Paths {
 @group(2) @binding(2) var<storage, read_write> sums: array<vec4f>;
 @group(2) @binding(3) var color: texture_storage_2d<rgba16float, write>;
 
+// How many lights there are. A constant: lavapipe compiles loops for the value of a uniform that ends
+// them, and loses a shader's memory at every dispatch (see picture_interval, which can hide it)
+override LIGHT_COUNT: u32 = MAX_LIGHTS;
+
 const ROULETTE_FROM: u32 = 3u;
 
 fn environment(direction: vec3f) -> vec3f {
@@ -44,7 +48,7 @@ fn direct_light(
     pair: u32, seed: u32,
 ) -> vec3f {
     var sum = vec3f(0.0);
-    for (var i = 0u; i < lights.count; i += 1u) {
+    for (var i = 0u; i < LIGHT_COUNT; i += 1u) {
         let light = lights.list[i];
         let arriving = incoming_light(light, at.position);
         let u = sobol_point(paths.index, pair + i, seed);
@@ -70,9 +74,9 @@ fn path_light(first: Ray, seed: u32) -> vec4f {
     var sum = vec3f(0.0);
     var met = 0.0;
     var inside = OUTSIDE;
-    for (var bounce = 0u; bounce <= paths.bounces; bounce += 1u) {
+    for (var bounce = 0u; bounce <= paths.bounces + (bounce >> 31u); bounce += 1u) {
         // two pairs for the way on, one for each light; the first is the place in the pixel
-        let pair = 1u + bounce * (2u + lights.count);
+        let pair = 1u + bounce * (2u + LIGHT_COUNT);
         let u = sobol_point(paths.index, pair, seed);
         let choice = sobol_point(paths.index, pair + 1u, seed);
         if (HAS_GLASS && inside.primitive != NO_PRIMITIVE) {
@@ -90,7 +94,7 @@ fn path_light(first: Ray, seed: u32) -> vec4f {
             break;
         }
         met = 1.0;
-        if (bounce == paths.bounces) {
+        if (bounce == paths.bounces + (bounce >> 31u)) {
             break;
         }
         let at = surface_at(ray, hit);

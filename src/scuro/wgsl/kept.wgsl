@@ -18,7 +18,7 @@ fn kept_interval(ray: Ray) -> Kept {
     if (!CLIPPED) {
         return kept;
     }
-    for (var i = 0u; i < scene.plane_count; i += 1u) {
+    for (var i = 0u; i < scene.plane_count + (i >> 31u); i += 1u) {
         let plane = scene.planes[i];
         let height = dot(plane.xyz, ray.origin) + plane.w;
         let slope = dot(plane.xyz, ray.direction);

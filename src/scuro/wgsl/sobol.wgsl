@@ -14,15 +14,16 @@ fn owen_scramble(value: u32, seed: u32) -> u32 {
     return reverseBits(x);
 }
 
-// Second coordinate of the Sobol sequence for an index below 2^16.
+// Second coordinate of the Sobol sequence for an index below 2^16. Its directions are the rows of
+// Pascal's triangle modulo 2: bit j, from the top, is the sum of the index's bits k of which j is a
+// subset (Lucas), which four folds give for all j at once.
 fn sobol_second(index: u32) -> u32 {
-    var result = 0u;
-    var digit = 0x80000000u;
-    for (var rest = index & 0xffffu; rest != 0u; rest >>= 1u) {
-        result ^= select(0u, digit, (rest & 1u) != 0u);
-        digit ^= digit >> 1u;
-    }
-    return result;
+    var x = index & 0xffffu;
+    x ^= (x >> 1u) & 0x5555u;
+    x ^= (x >> 2u) & 0x3333u;
+    x ^= (x >> 4u) & 0x0f0fu;
+    x ^= (x >> 8u) & 0x00ffu;
+    return reverseBits(x);
 }
 
 // Point `index` of a pair of dimensions, for a pixel's own seed.

@@ -39,7 +39,7 @@ fn mark(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if (CLIPPED && (traced_object(instance.object).flags & UNCLIPPED) == 0u) {
         // what a plane takes away whole is not even looked for: cost follows what is left
-        for (var i = 0u; i < scene.plane_count; i += 1u) {
+        for (var i = 0u; i < scene.plane_count + (i >> 31u); i += 1u) {
             if (dot(scene.planes[i].xyz, center) + scene.planes[i].w < -radius) {
                 return;
             }

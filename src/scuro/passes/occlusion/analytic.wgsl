@@ -48,7 +48,7 @@ fn easdon_occlusion(c: f32, ratio: f32) -> f32 {
 // Share of a sphere that the clipping planes keep, by the height of its center over each.
 fn kept_share(center: vec3f, radius: f32) -> f32 {
     var share = 1.0;
-    for (var i = 0u; i < scene.plane_count; i += 1u) {
+    for (var i = 0u; i < scene.plane_count + (i >> 31u); i += 1u) {
         let height = dot(scene.planes[i].xyz, center) + scene.planes[i].w;
         share = min(share, saturate(0.5 + 0.5 * height / radius));
     }

@@ -83,7 +83,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     let turned = mat3x3f(m[0].xyz, m[1].xyz, m[2].xyz) * basis;
     var sum = Gathering(vec3f(0.0), 0.0);
     var indirect = vec3f(0.0);
-    for (var i = 0u; i < ssdo.samples; i += 1u) {
+    for (var i = 0u; i < ssdo.samples + (i >> 31u); i += 1u) {
         let u = fract(halton(i) + noise);
         let upright = malley(u.xy);
         let direction = basis * upright;

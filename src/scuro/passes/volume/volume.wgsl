@@ -91,7 +91,7 @@ fn gradient_at(uvw: vec3f) -> vec3f {
 // Share of a voxel about a point that all cuts keep: 0 or 1 would show oblique cuts as stairs.
 fn kept_share(p: vec3f) -> f32 {
     var share = 1.0;
-    for (var i = 0u; i < volume.cut_count; i++) {
+    for (var i = 0u; i < volume.cut_count + (i >> 31u); i++) {
         let height = dot(volume.cuts[i].xyz, p) + volume.cuts[i].w;
         share *= clamp(height / volume.voxel + 0.5, 0.0, 1.0);
     }
@@ -120,7 +120,7 @@ fn crossing(ray: Ray) -> Crossing {
         min(upper.x, min(upper.y, upper.z)),
         volume.cut_count,
     );
-    for (var i = 0u; i < volume.cut_count; i++) {
+    for (var i = 0u; i < volume.cut_count + (i >> 31u); i++) {
         let height = dot(volume.cuts[i].xyz, ray.origin) + volume.cuts[i].w;
         let slope = dot(volume.cuts[i].xyz, ray.direction);
         if (abs(slope) < 1e-12) {

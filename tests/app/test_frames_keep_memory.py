@@ -1,0 +1,68 @@
+"""Frames leave no memory behind: lavapipe loses a shader's at every dispatch whose loop a uniform ends
+(docs/decisions.md, "A branch on a uniform leaks on lavapipe")."""
+
+import ctypes
+import gc
+
+import pytest
+
+from scuro.export.scene_file import Input, SceneFile, Show
+from scuro.render_settings import Settings
+from scuro.scene.clip import Clip, Plane
+
+MOST = 150.0
+"""kB a frame: such a loss is 200 kB a dispatch, the caches of uniforms that still fill some 30."""
+
+
+class _Heap(ctypes.Structure):
+    _fields_ = [
+        (name, ctypes.c_size_t)
+        for name in "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
+        .split()
+    ]  # fmt: skip
+
+
+def used():
+    """kB that malloc has given out."""
+    try:
+        mallinfo2 = ctypes.CDLL("libc.so.6").mallinfo2
+    except (OSError, AttributeError):
+        pytest.skip("needs mallinfo2 of the GNU C library")
+    mallinfo2.restype = _Heap
+    gc.collect()
+    heap = mallinfo2()
+    return (heap.uordblks + heap.hblkhd) / 1024
+
+
+@pytest.fixture(scope="module")
+def scene():
+    document = SceneFile(input=(Input(path="sample:1hpv"),), show=(Show(style="spacefill"),))
+    return document.scene()
+
+
+@pytest.mark.parametrize("cut", [False, True], ids=["whole", "cut"])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"occlusion__technique": "hybrid"},
+        {"semantic__mode": "screen"},
+        {"renderer": "path", "path__samples": 4},
+    ],
+    ids=["full", "hybrid", "semantic", "path"],
+)
+def test_frames_keep_memory(renderer, scene, changes, cut):
+    settings = Settings().replace(size=(64, 48), **changes)
+    middle = tuple(scene.bounds().mean(axis=0))
+    scene.clip = Clip(planes=(Plane(normal=(1, 0, 0), point=middle),) if cut else ())
+    camera = renderer.fitted(scene, settings)
+
+    def draw(count):
+        for turn in range(count):
+            renderer.frame(scene, camera.orbited(3 * turn, 1), settings).recorder.submit()
+            renderer.gpu.finish()
+
+    draw(8)
+    before = used()
+    draw(12)
+    assert (used() - before) / 12 < MOST
