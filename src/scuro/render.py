@@ -296,6 +296,7 @@ class Renderer:
         frame.resources["lights"] = lights_uniform(
             lighting, camera, accelerator.center, shadows=casting
         )
+        frame.constants["LIGHT_COUNT"] = len(lighting.lights)
         frame.constants["LOCAL_LIGHTS"] = any(
             light.kind != DIRECTIONAL for light in lighting.lights
         )

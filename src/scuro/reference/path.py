@@ -87,11 +87,7 @@ class PathTracer:
             _SHADER,
             {"paths": uniform},
             entry=entry,
-            constants={
-                "SHINY": bool(kinds - {"diffuse"}),
-                "HAS_GLASS": "glass" in kinds,
-                "LIGHT_COUNT": frame.resources["lights"]["count"],
-            },
+            constants={"SHINY": bool(kinds - {"diffuse"}), "HAS_GLASS": "glass" in kinds},
             label="path",
         )
 

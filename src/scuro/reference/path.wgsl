@@ -31,10 +31,6 @@ struct Paths {
 @group(2) @binding(2) var<storage, read_write> sums: array<vec4f>;
 @group(2) @binding(3) var color: texture_storage_2d<rgba16float, write>;
 
-// How many lights there are. A constant: lavapipe compiles loops for the value of a uniform that ends
-// them, and loses a shader's memory at every dispatch (see picture_interval, which can hide it)
-override LIGHT_COUNT: u32 = MAX_LIGHTS;
-
 const ROULETTE_FROM: u32 = 3u;
 
 fn environment(direction: vec3f) -> vec3f {

@@ -109,7 +109,7 @@ fn light_at(point: Point) -> vec3f {
     var open = select(1.0, 0.0, OCCLUSION);
     var shadow = vec3f(1.0);
     let pixel = (point.pixel.y << 16u) + point.pixel.x;
-    for (var kind = 0u; kind < 1u + lights.count; kind++) {
+    for (var kind = 0u; kind < 1u + LIGHT_COUNT + (kind >> 31u); kind++) {
         var axis = to_eye;
         var sine = truth.sines.x;
         var reach = truth.reaches.x;
@@ -123,7 +123,7 @@ fn light_at(point: Point) -> vec3f {
         }
         let wanted = select(SHADOWS && layer >= 0 && layer < 3, OCCLUSION, kind == 0u);
         var sum = 0.0;
-        for (var i = 0u; wanted && i < truth.rays; i++) {
+        for (var i = 0u; wanted && i < truth.rays + (i >> 31u); i++) {
             let n = (truth.first + i) * 4u + kind;
             let bits = hash3(vec3u(pixel, bitcast<u32>(point.t), n * 7919u + truth.seed));
             let random = vec2f(bits.xy >> vec2u(8u)) / 16777216.0;

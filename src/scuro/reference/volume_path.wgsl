@@ -82,7 +82,7 @@ fn scattered(along: vec3f) -> vec3f {
 // Light that comes straight from the lights and is scattered toward `-along`.
 fn from_lights(p: vec3f, along: vec3f) -> vec3f {
     var sum = vec3f(0.0);
-    for (var i = 0u; i < lights.count; i++) {
+    for (var i = 0u; i < LIGHT_COUNT; i++) {
         let arriving = incoming_light(lights.list[i], p);
         if (all(arriving.color <= vec3f(0.0))) {
             continue;

@@ -5,6 +5,9 @@ const POINT: u32 = 1u;
 const SPOT: u32 = 2u;
 const MAX_LIGHTS: u32 = 16u;
 
+// How many lights there are. A constant: lavapipe compiles loops for the value of a uniform that ends
+// them, and loses a shader's memory at every dispatch (see picture_interval, which can hide it)
+override LIGHT_COUNT: u32 = MAX_LIGHTS;
 // Whether any light is a point or a spot.
 override LOCAL_LIGHTS: bool = true;
 

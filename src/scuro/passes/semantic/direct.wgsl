@@ -16,7 +16,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     }
     let position = seen_position(here);
     var sum = vec3f(0.0);
-    for (var i = 0u; i < lights.count + (i >> 31u); i += 1u) {
+    for (var i = 0u; i < LIGHT_COUNT + (i >> 31u); i += 1u) {
         let arriving = incoming_light(lights.list[i], position);
         sum += max(dot(here.normal, arriving.direction), 0.0) * arriving.color;
     }

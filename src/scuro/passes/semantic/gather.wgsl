@@ -19,7 +19,7 @@ struct Gathering {
 
 fn gather(sum: ptr<function, Gathering>, direction: vec3f, open: f32, position: vec3f) {
     var light = lights.ambient;
-    for (var k = 0u; k < lights.count + (k >> 31u); k += 1u) {
+    for (var k = 0u; k < LIGHT_COUNT + (k >> 31u); k += 1u) {
         let arriving = incoming_light(lights.list[k], position);
         light += FACING * max(dot(direction, arriving.direction), 0.0) * arriving.color;
     }

@@ -162,6 +162,7 @@ class VolumePicture(BuiltVolume):
             "SURFACES": surfaces,
             "PHONG": settings.shading == "phong",
             "SHADOWED": settings.shadow.on,
+            "LIGHT_COUNT": resources["lights"]["count"],
         }
         same = (
             settings.replace(samples=1), transfer, clip, solids, resources["surface"],

@@ -26,7 +26,7 @@ fn lit(point: Point, open: f32, shadow: vec3f) -> vec3f {
             return vec3f(open);
         }
         var most = lights.ambient;
-        for (var i = 0u; i < lights.count; i++) {
+        for (var i = 0u; i < LIGHT_COUNT + (i >> 31u); i++) {
             let arriving = incoming_light(lights.list[i], point.position);
             sum += arriving.color * layer_of(lights.list[i], shadow);
             most += lights.list[i].color;
@@ -44,7 +44,7 @@ fn lit(point: Point, open: f32, shadow: vec3f) -> vec3f {
         strength = smoothstep(0.0, shading.flat, steepness * volume.voxel);
     }
     normal *= select(1.0, -1.0, dot(normal, point.direction) > 0.0);
-    for (var i = 0u; i < lights.count; i++) {
+    for (var i = 0u; i < LIGHT_COUNT + (i >> 31u); i++) {
         let arriving = incoming_light(lights.list[i], point.position);
         let facing = max(dot(normal, arriving.direction), 0.0);
         let between = normalize(arriving.direction - point.direction);
