@@ -1,5 +1,4 @@
-"""Frames leave no memory behind: lavapipe loses a shader's at every dispatch whose loop a uniform ends
-(docs/decisions.md, "A branch on a uniform leaks on lavapipe")."""
+"""Frames leave no memory behind, as those of lavapipe may (docs/decisions.md, Viewer)."""
 
 import ctypes
 import gc
@@ -14,12 +13,14 @@ MOST = 150.0
 """kB a frame: such a loss is 200 kB a dispatch, the caches of uniforms that still fill some 30."""
 
 
+_FIELDS = (
+    "arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks", "fordblks",
+    "keepcost",
+)  # fmt: skip
+
+
 class _Heap(ctypes.Structure):
-    _fields_ = [
-        (name, ctypes.c_size_t)
-        for name in "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
-        .split()
-    ]  # fmt: skip
+    _fields_ = [(name, ctypes.c_size_t) for name in _FIELDS]
 
 
 def used():
