@@ -96,7 +96,8 @@ def _put_back(screen: Screen, document: SceneFile, target: Any) -> None:
     screen.view.camera = screen.view.initial_camera()
     screen.view.stir()
     screen.panel.open = True
-    while screen.wait is not None:
+    # a text field that was clicked has its cursor blink for ever: that is no reason to go on
+    while screen.wait == 0.0 or not screen.view.complete:
         screen.draw(target)
         screen.gpu.finish()
     gc.collect()
