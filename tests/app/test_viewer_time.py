@@ -1,5 +1,7 @@
 """The viewer in time: playing, slow work in slices, undo of all of it, files from the panel."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from scuro.render_settings import Settings
 from scuro.scene.clip import Cut
 from scuro.scene.geometry import Body, Geometry
 from scuro.scene.scene import Scene
-from scuro.viewer.jobs import Jobs, in_thread
+from scuro.viewer.jobs import Jobs, in_thread, in_turns
 from scuro.viewer.model import Model
 from scuro.viewer.saving import FilmSettings, Saving
 from scuro.viewer.view import REST, View
@@ -324,6 +326,63 @@ def test_a_saved_picture_is_what_is_shown_and_what_render_makes_of_it(saving, cl
         assert run(["render", str(tmp_path / source), "-o", str(tmp_path / "again.png")]) == 0
         again = np.asarray(Image.open(tmp_path / "again.png").convert("RGBA"))
         assert (again == saved).all(), source
+
+
+def read_pixels(path):
+    """The channels of an OpenEXR file by name, or the one array of another picture."""
+    if path.suffix == ".exr":
+        import OpenEXR
+
+        with OpenEXR.File(str(path), separate_channels=True) as read:
+            return {name: np.array(c.pixels) for name, c in read.channels().items()}
+    if path.suffix == ".png":
+        import imageio.v3
+
+        return {"": np.asarray(imageio.v3.imread(path))}
+    import tifffile
+
+    return {"": tifffile.imread(path)}
+
+
+@pytest.mark.parametrize("name", ["deep.tif", "layers.exr", "deep.png"])
+def test_deep_pictures_and_layers_are_those_of_the_command_line(saving, tmp_path, name):
+    saving.picture_settings = saving.picture_settings.replace(name=name, bits="16")
+    saving.picture()
+    saving.scene()
+    assert finish(saving._jobs) == f"saved {name}"
+    bits = [] if name.endswith(".exr") else ["--bits", "16"]
+    again = tmp_path / f"again{Path(name).suffix}"
+    assert run(["render", str(tmp_path / "scene.toml"), "-o", str(again), *bits]) == 0
+    saved, made = read_pixels(tmp_path / name), read_pixels(again)
+    assert set(saved) == set(made) and len(saved) >= 1
+    for layer, values in made.items():
+        assert np.array_equal(saved[layer], values), layer
+    assert any(values.std() > 0 for values in saved.values())
+
+
+def test_pictures_in_parts_can_be_stopped_between_them():
+    turns, ended = [], []
+
+    def action(pause):
+        try:
+            for number in range(100):
+                turns.append(number)
+                pause(number / 100)
+        finally:
+            ended.append(True)
+        return "whole"
+
+    jobs = Jobs()
+    jobs.add("picture", in_turns(action))
+    for _ in range(4):
+        jobs.tick()
+    assert turns == [0, 1, 2] and jobs.waiting[0].share == 0.02
+    jobs.cancel(jobs.waiting[0])
+    assert ended and turns == [0, 1, 2]
+    jobs.add("picture", in_turns(action))
+    while jobs.waiting:
+        jobs.tick()
+    assert jobs.message == "whole" and len(turns) == 103
 
 
 def test_a_film_from_the_panel_is_that_of_the_command_line(saving, tmp_path):

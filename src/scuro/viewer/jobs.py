@@ -89,6 +89,57 @@ def in_thread(action: Callable[[], T]) -> Generator[float, None, T]:
     return made
 
 
+class _Cancelled(BaseException):
+    """Ends the action of :func:`in_turns` where it waits."""
+
+
+def in_turns(action: Callable[[Callable[[float], None]], T]) -> Generator[float, None, T]:
+    """Do a long action a turn at a time though it is no generator; yields the shares it tells.
+
+    Args:
+        action: Takes a function that it calls between turns with the share that is done. It has a
+            thread of its own, but never runs beside the caller: only one of them has its turn.
+    """
+    results: list[Any] = []
+    told = [0.0]
+    its_turn, our_turn = threading.Semaphore(0), threading.Semaphore(0)
+    cancelled = threading.Event()
+
+    def pause(share: float) -> None:
+        told[0] = share
+        our_turn.release()
+        its_turn.acquire()
+        if cancelled.is_set():
+            raise _Cancelled
+
+    def run() -> None:
+        try:
+            pause(0.0)
+            results.append((True, action(pause)))
+        except BaseException as error:  # handed on to the one who waits
+            results.append((False, error))
+        our_turn.release()
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    our_turn.acquire()
+    try:
+        while not results:
+            yield told[0]
+            its_turn.release()
+            our_turn.acquire()
+    finally:
+        if not results:
+            cancelled.set()
+            its_turn.release()
+        thread.join()
+    fine, value = results[0]
+    if not fine:
+        raise value
+    made: T = value
+    return made
+
+
 def scaled(shares: Iterator[float], low: float, high: float) -> Iterator[float]:
     """Shares of a part as shares of the whole."""
     for share in shares:

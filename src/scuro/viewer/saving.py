@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+import shutil
 from collections.abc import Callable, Generator
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -12,11 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import ScuroError, SettingsError
+from scuro.export.files import replacing
 from scuro.export.film_names import film_names
 from scuro.export.motion import Motion, MovieSettings
 from scuro.export.movie import Film, check_format
 from scuro.export.scene_file import SceneFile, write_scene_file
 from scuro.image import Image
+from scuro.passes.frame import Frame
 from scuro.render import Renderer
 from scuro.render_marks import Names, picture_marks
 from scuro.render_settings import Settings
@@ -25,10 +30,10 @@ from scuro.scene.scene import Scene
 from scuro.settings import SettingsGroup, setting
 from scuro.style.marks import paint
 from scuro.viewer.drawing import Drawing, Drawn
-from scuro.viewer.jobs import Jobs, Work, in_thread, scaled
+from scuro.viewer.jobs import Jobs, Work, in_thread, in_turns, scaled
 from scuro.viewer.view import View
 
-LARGEST = 8192
+LARGEST = 16384
 """Pixels along a side of a picture from the panel."""
 Deliver = Callable[[str, Callable[[Path], None]], str]
 """Takes a name and a function that writes the file to a path; returns a sentence for people."""
@@ -37,8 +42,9 @@ Deliver = Callable[[str, Callable[[Path], None]], str]
 class PictureSettings(SettingsGroup):
     """Pictures from the panel."""
 
-    name: str = setting("scuro.png", "file name: .png, .tif, .jpg or .webp")
-    scale: float = setting(1.0, "size in relation to what is on the screen", low=0.1, high=8)
+    name: str = setting("scuro.png", "file name: .png, .tif, .exr, .jpg or .webp")
+    scale: float = setting(1.0, "size in relation to what is on the screen", low=0.1, high=16)
+    bits: str = setting("8", "per channel, in PNG and TIFF", choices=("8", "16"))
 
 
 class FilmSettings(SettingsGroup):
@@ -83,18 +89,18 @@ class Saving:
     def picture(self) -> None:
         """The full picture of what is on the screen."""
         chosen = self.picture_settings
-        document = self._sized(chosen.scale)
+        document = self._sized(chosen.scale, LARGEST)
         self._jobs.add(chosen.name, self._picture(document, self.view.camera, chosen))
 
     def film(self) -> None:
         """A film that begins with what is on the screen."""
-        document = self._sized(self.film_settings.scale)
+        most = self.view.renderer.gpu.max_texture
+        document = self._sized(self.film_settings.scale, min(LARGEST, most))
         self._jobs.add(self.film_settings.name, self._film(document, self.movie))
 
-    def _sized(self, scale: float) -> SceneFile:
+    def _sized(self, scale: float, most: int) -> SceneFile:
         document = self.view.document()
         width, height = (max(1, round(s * scale)) for s in self.view.size)
-        most = min(LARGEST, self.view.renderer.gpu.max_texture)
         if max(width, height) > most:
             raise SettingsError(
                 f"a picture from the panel has at most {most} pixels a side: lower its scale, or "
@@ -105,9 +111,8 @@ class Saving:
     def _picture(self, document: SceneFile, camera: Camera, chosen: PictureSettings) -> Work:
         from scuro.export.formats import check_format as check_picture
 
-        check_picture(_file_name(chosen.name), document.settings.size)
-        if chosen.name.lower().endswith(".exr"):
-            raise SettingsError("OpenEXR pictures come from 'scuro render': save the scene file")
+        name = _file_name(chosen.name)
+        check_picture(name, document.settings.size, int(chosen.bits))
         model, renderer = self.view.model, self.view.renderer.sibling()
         state = model.history.present
 
@@ -116,6 +121,11 @@ class Saving:
                 raise SettingsError("the scene was changed meanwhile: save it again")
             return model.dressed(camera)
 
+        several = len(renderer.parts(document.settings)) > 1
+        if several or chosen.bits == "16" or name.lower().endswith(".exr"):
+            return (
+                yield from self._print(name, renderer, dressed, camera, document, int(chosen.bits))
+            )
         pixels = yield from _pixels(renderer, dressed, camera, document.settings)
         image = Image(pixels, None, document.settings)
 
@@ -123,7 +133,45 @@ class Saving:
             folder = None if self._elsewhere else path.parent
             image.save(path, settings=document.as_dict(folder))
 
-        return self._deliver(_file_name(chosen.name), write)
+        return self._deliver(name, write)
+
+    def _print(
+        self,
+        name: str,
+        renderer: Renderer,
+        dressed: Callable[[], Scene],
+        camera: Camera,
+        document: SceneFile,
+        bits: int,
+    ) -> Work:
+        """Draw a picture part by part, each a slice, into a file that is delivered when whole."""
+        from scuro.export.parts import save_in_parts
+
+        settings = document.settings
+        count = len(renderer.parts(settings))
+
+        def draw(path: Path, pause: Callable[[float], None]) -> None:
+            done = itertools.count(1)
+
+            def on_part(frame: Frame) -> None:
+                pause(min(next(done) / count, 1.0))
+                dressed()
+
+            save_in_parts(
+                path,
+                renderer,
+                dressed(),
+                camera,
+                settings,
+                bits=bits,
+                note=document.as_dict(None),
+                on_part=on_part,
+            )
+
+        with TemporaryDirectory(prefix="scuro-") as folder:
+            made = Path(folder) / name
+            yield from in_turns(partial(draw, made))
+            return self._deliver(name, lambda path: _copy(made, path))
 
     def _film(self, document: SceneFile, movie: MovieSettings) -> Work:
         name = _file_name(self.film_settings.name)
@@ -149,6 +197,12 @@ class Saving:
             yield from scaled(in_thread(film.join), 1.0, 1.0)
             made = film.path.read_bytes()
         return self._deliver(name, lambda path: _write(path, made))
+
+
+def _copy(made: Path, path: Path) -> None:
+    """Put a finished file where it was wanted, whole or not at all."""
+    with made.open("rb") as source, replacing(path) as file:
+        shutil.copyfileobj(source, file)
 
 
 def _shifted(
