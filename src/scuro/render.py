@@ -29,7 +29,8 @@ from scuro.passes.post.fxaa import draw_fxaa, smooth_picture
 from scuro.passes.post.stereo import eye_camera, eye_size, join_eyes, keep_left_eye
 from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
-from scuro.passes.semantic.recolor import color_by_level
+from scuro.passes.semantic.recolor import color_by_level, object_colors
+from scuro.passes.semantic.still import draw_still
 from scuro.passes.shadow.shadow import draw_shadows
 from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.passes.volume.frame import Volumes
@@ -237,7 +238,11 @@ class Renderer:
         with opaque_only(frame):
             draw_visibility(frame)
         if settings.renderer == "path":
-            self._paths.draw(frame)
+            by_level = settings.semantic.palette or settings.semantic.mode != "off"
+            colors = None
+            if by_level:
+                colors = object_colors(frame, scene.hierarchy(settings.semantic.parts))
+            self._paths.draw(frame, colors)
         elif settings.semantic.mode == "off":
             if settings.semantic.palette:
                 color_by_level(frame, scene.hierarchy())
@@ -256,6 +261,7 @@ class Renderer:
         self.reservoirs.draw(frame, scene)
         draw_cues(frame)
         draw_focus(frame, scene)
+        draw_still(frame)
         filter_down(frame)
         return frame
 

@@ -107,3 +107,30 @@ def test_far_views_do_not_shimmer_under_sub_pixel_shifts(crowd):
     semantic = {"mode": "screen", "bounce": 0.0, "thresholds": (2500.0, 1000.0)}
     calm = shimmer(detail=1.0, **{f"semantic__{k}": v for k, v in semantic.items()})
     assert calm < 0.05 * plain
+    # what is smoothed beyond merging atoms
+    merged = {**semantic, "calm": 0.0}
+    assert calm < 0.4 * shimmer(detail=1.0, **{f"semantic__{k}": v for k, v in merged.items()})
+
+
+def test_pictures_of_atoms_stay_sharp(crowd):
+    renderer = Renderer()
+    semantic = {"semantic__mode": "screen", "semantic__thresholds": (2500.0, 1000.0)}
+    near = [picture(renderer, crowd, 250, **semantic, semantic__calm=c) for c in (0.0, 1.0)]
+    np.testing.assert_array_equal(near[0], near[1])
+    # nor is anything spread where no smoothing of edges is asked for
+    hard = picture(renderer, crowd, 2600, **semantic, antialias__method="none")
+    background = (hard == 1.0).all(axis=-1)
+    assert hard[~background].max() < 0.97
+
+
+def test_a_palette_reaches_the_path_tracer(crowd):
+    renderer = Renderer()
+    camera = Camera((0, 0, 2600), (0, 0, 0), (0, 1, 0), 30)
+    settings = Settings(size=(60, 45)).replace(renderer="path", path__samples=2)
+    palette = settings.replace(semantic__palette="red,blue")
+    own, red = (
+        np.asarray(renderer.render(crowd, camera, s))[15:30, 25:35].mean(axis=(0, 1))
+        for s in (settings, palette)
+    )
+    assert red[0] > 5 * red[1]
+    assert own[0] < 2 * own[1]

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from scuro.errors import SettingsError
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
@@ -28,7 +29,7 @@ def shimmer(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings
             position=tuple((np.asarray(camera.position) + shift).tolist()),
             target=tuple((np.asarray(camera.target) + shift).tolist()),
         )
-        shots.append(_luminance(renderer, scene, moved, settings))
+        shots.append(_shot(renderer, scene, moved, settings))
     return _deviation(shots)
 
 
@@ -44,9 +45,9 @@ def zoom_shimmer(renderer: Renderer, scene: Scene, camera: Camera, settings: Set
         moved = replace(camera, position=tuple((camera.target + closer * back).tolist()))
         if camera.height is not None:
             moved = replace(moved, height=camera.height * closer)
-        picture = _luminance(renderer, scene, moved, settings)
-        h, w = picture.shape
-        shots.append(picture[h // 4 : -h // 4, w // 4 : -w // 4])
+        shot = _shot(renderer, scene, moved, settings)
+        h, w = shot.shape[1:]
+        shots.append(shot[:, h // 4 : -h // 4, w // 4 : -w // 4])
     return _deviation(shots)
 
 
@@ -56,16 +57,22 @@ def _pixel(camera: Camera, settings: Settings) -> float:
     return 2 * camera.half_height() * across / settings.size[1]
 
 
-def _luminance(
+def _shot(
     renderer: Renderer, scene: Scene, camera: Camera, settings: Settings
 ) -> NDArray[np.float64]:
+    """(2, h, w): luminance, and whether any sample of the pixel meets a surface."""
     picture = np.asarray(renderer.render(scene, camera, settings))[..., :3]
-    return picture @ np.array([0.2126, 0.7152, 0.0722]) / 255
+    frame = renderer.targets.frame
+    if frame is None or frame.size != tuple(frame.scale * s for s in settings.size):
+        raise SettingsError("calm is measured in pictures that are drawn at once: lower the size")
+    met = renderer.gpu.read_texture(frame.resources["surface"])[..., 3] > 0
+    h, w = picture.shape[:2]
+    shown = met.reshape(h, frame.scale, w, frame.scale).any(axis=(1, 3))
+    return np.stack([picture @ np.array([0.2126, 0.7152, 0.0722]) / 255, shown])
 
 
 def _deviation(shots: list[NDArray[np.float64]]) -> float:
-    """Root of the mean variance over pixels that none of the shots shows as background."""
-    stack = np.stack(shots)
-    background = stack[0].max()
-    shown = (stack < background - 1e-3).all(axis=0)
-    return float(np.sqrt(stack.var(axis=0)[shown].mean())) if shown.any() else 0.0
+    """Root of the mean variance over pixels in which some of the shots meet a surface."""
+    luminance, met = np.stack(shots, axis=1)
+    shown = met.any(axis=0)
+    return float(np.sqrt(luminance.var(axis=0)[shown].mean())) if shown.any() else 0.0

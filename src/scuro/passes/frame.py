@@ -85,6 +85,8 @@ class Frame:
     """Samples along the edge of an output pixel."""
     sparse: Any = None
     """The texture that ``color`` was when it was last known to be empty outside of the tiles."""
+    smoothed: bool = False
+    """Whether edges were smoothed already, by a pass that others follow."""
     history: History | None = None
     """What earlier frames found, if this one goes on from them."""
     context: Frame | None = None

@@ -11,6 +11,7 @@ import time
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scuro.passes.frame import Frame
 from scuro.passes.shadow.ray import default_spread
@@ -47,12 +48,19 @@ class PathTracer:
 
     def __init__(self) -> None:
         self._key: Any = None
+        self._recolored = False
         self.samples = 0
         """Paths a pixel in the sums."""
 
-    def draw(self, frame: Frame) -> None:
-        """Fill ``color`` with the mean of at least one and at most ``path.samples`` samples."""
+    def draw(self, frame: Frame, colors: NDArray[np.uint32] | None = None) -> None:
+        """Fill ``color`` with the mean of at least one and at most ``path.samples`` samples.
+
+        ``colors`` replace those of objects: sRGB, one for each, alpha 0 where it keeps its own.
+        """
         settings = frame.settings.path
+        self._recolored = colors is not None
+        shown = np.zeros(1, np.uint32) if colors is None else colors
+        frame.resources["object_colors"] = frame.gpu.buffer(shown, label="colours")
         key = _key(frame)
         if key != self._key or self.samples > settings.samples:
             self._key, self.samples = key, 0
@@ -87,7 +95,11 @@ class PathTracer:
             _SHADER,
             {"paths": uniform},
             entry=entry,
-            constants={"SHINY": bool(kinds - {"diffuse"}), "HAS_GLASS": "glass" in kinds},
+            constants={
+                "SHINY": bool(kinds - {"diffuse"}),
+                "HAS_GLASS": "glass" in kinds,
+                "RECOLORED": self._recolored,
+            },
             label="path",
         )
 

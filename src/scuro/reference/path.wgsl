@@ -4,6 +4,7 @@
 //#include "view.wgsl"
 //#include "tiles.wgsl"
 //#include "surface.wgsl"
+//#include "color.wgsl"
 //#include "light_samples.wgsl"
 //#include "sobol.wgsl"
 //#include "materials.wgsl"
@@ -30,6 +31,11 @@ struct Paths {
 // sums of (linear RGB, coverage), a row after the other
 @group(2) @binding(2) var<storage, read_write> sums: array<vec4f>;
 @group(2) @binding(3) var color: texture_storage_2d<rgba16float, write>;
+
+// sRGB, one an object; alpha 0 leaves an object's own colors
+@group(2) @binding(4) var<storage, read> object_colors: array<u32>;
+
+override RECOLORED: bool = false;
 
 const ROULETTE_FROM: u32 = 3u;
 
@@ -93,7 +99,11 @@ fn path_light(first: Ray, seed: u32) -> vec4f {
         if (bounce == paths.bounces + (bounce >> 31u)) {
             break;
         }
-        let at = surface_at(ray, hit);
+        var at = surface_at(ray, hit);
+        if (RECOLORED) {
+            let given = unpack4x8unorm(object_colors[at.object]);
+            at.color = select(at.color, linear_from_srgb(given.rgb), given.a > 0.0);
+        }
         let material = material_at(at.object);
         let albedo = at.color * material.diffuse;
         let depth = length(at.position - first.origin);

@@ -2,7 +2,9 @@
 
 Inputs are cell-scale models; without any, scenes of 10⁶ to 1.5·10¹⁰ atoms are generated from a
 sample protein. Frames are of the whole scene; ``costs`` are the rows of Table 4.1 of Koch (2018)
-as growth of the frame in per cent, at the views that the thesis names.
+as growth of the frame in per cent, at the views that the thesis names. ``calm`` is what moves in
+the view of the whole scene under sub-pixel shifts and while zooming (:mod:`scuro.measure.calm`), in
+thousandths of white, with and without levels of detail and what else calms.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from scuro.export.zoom import zoom_of, zoom_settings
 from scuro.load import load
 from scuro.load.mesoscale_structures import structure_of_molecule
 from scuro.measure.bench import BenchOptions, label, median_seconds
+from scuro.measure.calm import shimmer, zoom_shimmer
 from scuro.measure.memory import peak_memory_mb
 from scuro.render import Renderer
 from scuro.render_settings import Settings
@@ -43,11 +46,17 @@ COSTS: dict[str, tuple[float, dict[str, Any], dict[str, Any]]] = {
 }
 """Rows of Table 4.1: where on the zoom of Figure 5.2 (a is 0, d is 1), without, with."""
 
+CALM: dict[str, dict[str, Any]] = {
+    "atoms as they are": {"detail": 0.0, "semantic__calm": 0.0},
+    "calmed": {},
+}
+
 
 def run(options: BenchOptions) -> dict[str, Any]:
     """Measure every scene; see the module."""
     rows: list[dict[str, Any]] = []
     costs: dict[str, dict[str, float]] = {}
+    calm: dict[str, dict[str, dict[str, float]]] = {}
     adapter = ""
     for name, model, seconds in models(options):
         renderer = Renderer(options.device)
@@ -76,6 +85,12 @@ def run(options: BenchOptions) -> dict[str, Any]:
                 cost: round(percent, 1)
                 for cost, percent in table_4_1(renderer, scene, options).items()
             }
+            options.say(f"{name}, calm")
+            screen = base.replace(**PARTS["screen"])
+            calm[name] = {
+                words: _moving(renderer, scene, camera, screen.replace(**changes))
+                for words, changes in CALM.items()
+            }
     return {
         "adapter": adapter,
         "size": list(options.size),
@@ -83,6 +98,7 @@ def run(options: BenchOptions) -> dict[str, Any]:
         "peak_memory_mb": peak_memory_mb(),
         "growth": round(rows[-1]["screen_s"] / rows[0]["screen_s"], 2),
         "costs": costs,
+        "calm": calm,
         "rows": rows,
     }
 
@@ -92,6 +108,15 @@ def draw(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings) -
     for _ in renderer.frames(scene, camera, settings):
         pass
     renderer.gpu.finish()
+
+
+def _moving(
+    renderer: Renderer, scene: Scene, camera: Camera, settings: Settings
+) -> dict[str, float]:
+    return {
+        "shifts": round(1000 * shimmer(renderer, scene, camera, settings), 1),
+        "zoom": round(1000 * zoom_shimmer(renderer, scene, camera, settings), 1),
+    }
 
 
 def table_4_1(renderer: Renderer, scene: Scene, options: BenchOptions) -> dict[str, float]:

@@ -42,7 +42,8 @@ MODES = {"without semantics": "plain", "screen space": "screen", "traced": "trac
 CALM: dict[str, dict[str, Any]] = {
     "atoms as they are": {"detail": 0.0, "semantic__calm": 0.0},
     "atoms merged": {"semantic__calm": 0.0},
-    "atoms merged, normals calmed": {},
+    "atoms merged, normals and picture calmed": {},
+    "16 samples a pixel": {"detail": 0.0, "semantic__calm": 0.0, "antialias__method": "4x"},
 }
 PICTURES = r"""Pictures of a generated cell of 10⁸ atoms (without semantics, with them, with names
 and attention; then the zoom of Figure 5.2) by
@@ -112,7 +113,8 @@ def _clutter(renderer: Renderer, scene: Scene, zoom: Zoom, base: Settings) -> It
 def _calm(renderer: Renderer, scene: Scene, zoom: Zoom, base: Settings) -> Iterator[str]:
     yield (
         "What moves in view a while the camera shifts by quarters of a pixel, and while it comes "
-        "closer by half a pixel at the edge: deviation of luminance, in thousandths of white."
+        "closer by half a pixel at the edge: deviation of luminance, in thousandths of white. The "
+        "last rows are what an ideal picture moves by: outlines do move."
     )
     rows: dict[str, tuple[float | str | None, ...]] = {}
     camera = zoom.camera(0.0)

@@ -16,8 +16,8 @@ from scuro.style.paint import premultiplied
 
 
 def asked_for(frame: Frame) -> bool:
-    """Whether the picture shall be smoothed by FXAA."""
-    return bool(frame.settings.antialias.method == "fxaa")
+    """Whether the picture shall still be smoothed by FXAA."""
+    return bool(frame.settings.antialias.method == "fxaa") and not frame.smoothed
 
 
 def brightness_of(frame: Frame, wanted: bool = True) -> dict[str, Any]:

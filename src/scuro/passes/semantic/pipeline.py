@@ -23,11 +23,10 @@ from scuro.passes.semantic.levels import (
 from scuro.passes.semantic.recolor import color_by_level
 from scuro.passes.semantic.settings import SemanticSettings
 from scuro.passes.semantic.smooth import rested, smoothed
+from scuro.passes.semantic.still import is_far
 from scuro.scene.regions import Hierarchy
 from scuro.trace.table import float_table
 
-CALM_FROM = 0.5
-"""Nothing is calmed while an atom is wider than so many times two pixels (calm.wgsl)."""
 _EMPTY, _LIT = (0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0)
 
 
@@ -75,12 +74,8 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
 
 def _calm(frame: Frame, settings: SemanticSettings) -> Any:
     """The surface with calmed normals, ``calm_surface``; the surface itself where none need it."""
-    scene, camera = frame.accelerator, frame.camera
     atom = 2 * atom_radius(frame)
-    farthest = float(np.linalg.norm(np.subtract(camera.position, scene.center))) + scene.extent
-    across = 1.0 if camera.orthographic else farthest
-    pixel = 2 * camera.half_height() * across / (frame.scale * frame.settings.size[1])
-    if settings.calm == 0 or pixel < CALM_FROM * atom:
+    if settings.calm == 0 or not is_far(frame):
         frame.resources["calm_surface"] = frame.resources["surface"]
         return frame.resources["surface"]
     surface = frame.resources["surface"]

@@ -77,7 +77,7 @@ class SemanticSettings(SettingsGroup):
     )
     calm: float = setting(
         1.0,
-        "smooth normals where a pixel holds many atoms, up to this many atoms a pixel width",
+        "how much to smooth normals and picture where a pixel holds many atoms; 0 not at all",
         low=0,
         high=8,
     )
