@@ -116,7 +116,8 @@ def test_pictures_of_atoms_stay_sharp(crowd):
     renderer = Renderer()
     semantic = {"semantic__mode": "screen", "semantic__thresholds": (2500.0, 1000.0)}
     near = [picture(renderer, crowd, 250, **semantic, semantic__calm=c) for c in (0.0, 1.0)]
-    np.testing.assert_array_equal(near[0], near[1])
+    # smoothed edges are rounded to halves before a pass that follows
+    np.testing.assert_allclose(near[0], near[1], atol=1.01 / 255)
     # nor is anything spread where no smoothing of edges is asked for
     hard = picture(renderer, crowd, 2600, **semantic, antialias__method="none")
     background = (hard == 1.0).all(axis=-1)
