@@ -107,7 +107,7 @@ def test_far_views_do_not_shimmer_under_sub_pixel_shifts(crowd):
     semantic = {"mode": "screen", "bounce": 0.0, "thresholds": (2500.0, 1000.0)}
     calm = shimmer(detail=1.0, **{f"semantic__{k}": v for k, v in semantic.items()})
     assert calm < 0.05 * plain
-    # what is smoothed beyond merging atoms
+    # what calmed normals and picture add to merged atoms
     merged = {**semantic, "calm": 0.0}
     assert calm < 0.4 * shimmer(detail=1.0, **{f"semantic__{k}": v for k, v in merged.items()})
 

@@ -187,13 +187,31 @@ def test_shadows_fall_between_regions_only(renderer):
     assert darkest(("root", "A", "lid")) == 1.0
 
 
-def test_combine_is_colour_times_light_times_shadow_plus_bounce(renderer):
-    scene = plate_under_plate(("root", "B", "lid"))
-    settings = settings_of(shadow=0.5, bounce=0.5, blur_occlusion=0, blur_bounce=0, blur_shadow=0)
+def under_a_lid() -> tuple[Scene, Camera, Settings]:
+    """Far away, with shadows but without bounce."""
+    settings = settings_of(shadow=0.5, blur_occlusion=0, blur_shadow=0)
+    return plate_under_plate(("root", "B", "lid")), CAMERA, settings
+
+
+def side_by_side() -> tuple[Scene, Camera, Settings]:
+    """So near that there are bounces but no shadows."""
+    scene = scene_of(
+        ball((-1, 0, 0), 1.0, (255, 255, 255), ("root", "A", "white")),
+        ball((1, 0, 0), 1.0, (255, 0, 0), ("root", "A", "red")),
+    )
+    near = settings_of(bounce=1.0, thresholds=(100.0, 50.0), near_radius=1.5)
+    near = near.replace(semantic__blur_occlusion=0, semantic__blur_bounce=0)
+    return scene, Camera((0, 0, 9), (0, 0, 0), (0, 1, 0), 30), near
+
+
+@pytest.mark.parametrize("case", [under_a_lid, side_by_side])
+def test_combine_is_colour_times_light_times_shadow_plus_bounce(renderer, case):
+    scene, camera, settings = case()
     names = ("color", "albedo", "gathered", "lit", "bounce", "surface")
     color, albedo, gathered, lit, bounce, surface = buffers(
-        renderer, scene, CAMERA, settings, *names
+        renderer, scene, camera, settings, *names
     )
+    assert lit.min() < 0.9 or bounce[..., :3].max() > 0.1
     expected = albedo[..., :3] * (gathered[..., :3] * lit[..., :1] + bounce[..., :3])
     there = surface[..., 3] > 0
     np.testing.assert_allclose(color[there][:, :3], expected[there], rtol=4e-3, atol=2e-3)
@@ -244,6 +262,40 @@ def test_blur_is_algorithm_3(renderer, amount):
     )
     expected = blurred_by_hand(source.astype(float), surface, amount, 0.4, -0.2)
     np.testing.assert_allclose(gpu.read_texture(out), expected, atol=2e-3)
+
+
+def test_far_pixels_spread_as_a_gaussian_and_near_ones_stay(renderer):
+    gpu, rng = renderer.gpu, np.random.default_rng(4)
+    color = rng.random((16, 24, 4)).astype(np.float16)
+    view = view_uniform(CAMERA, np.zeros(3), (24, 16))
+    pixel = 2 * view["half_extent"][1] / 16
+    # two atoms a pixel on the left, a quarter of one on the right; nothing between
+    depth = np.zeros((16, 24))
+    depth[:, :10], depth[:, 14:] = 2 / pixel, 0.25 / pixel
+    surface = np.zeros((16, 24, 4), np.float32)
+    surface[..., 3] = depth
+    replaced = gpu.texture((24, 16), "rgba16float")
+    tiles = np.array([x | y << 16 for y in range(2) for x in range(3)], np.uint32)
+    gpu.compute(
+        "passes/semantic/still.wgsl",
+        "main",
+        (8 * len(tiles), 8),
+        {
+            "tile_list": gpu.buffer(tiles),
+            "view": view,
+            "still": {"spread": 0.4, "most": 0.7, "atom": 1.0},
+            "surface": gpu.texture_from(surface, "rgba32float"),
+            "color": gpu.texture_from(color, "rgba16float"),
+            "replaced": replaced,
+        },
+    )
+    found = gpu.read_texture(replaced).astype(float)
+    weights = np.exp(-0.5 * (np.arange(-1, 2) / (0.4 * 1.5)) ** 2)
+    kernel = np.outer(weights, weights) / weights.sum() ** 2
+    around = np.lib.stride_tricks.sliding_window_view(color.astype(float), (3, 3), axis=(0, 1))
+    expected = (around * kernel).sum(axis=(-2, -1))
+    np.testing.assert_allclose(found[1:-1, 1:11], expected[:, :10], atol=2e-3)
+    np.testing.assert_array_equal(found[:, 11:], color[:, 11:])
 
 
 def test_zooming_never_jumps(renderer):
