@@ -178,7 +178,7 @@ def test_the_page_shows_what_render_draws_and_answers_to_hands(page, tmp_path):
 
     # the tab and the button that save the picture
     page.click(PANEL + 190, 70)
-    page.click(PANEL + 50, 175)
+    page.click(PANEL + 50, 198)
     end = time.time() + 60
     while not list(page.downloads.glob("*.png")) and time.time() < end:
         time.sleep(0.1)
