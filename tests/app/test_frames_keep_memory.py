@@ -36,23 +36,28 @@ def used():
 
 
 @pytest.fixture(scope="module")
-def scene():
-    document = SceneFile(input=(Input(path="sample:1hpv"),), show=(Show(style="spacefill"),))
-    return document.scene()
+def scenes():
+    def scene(style):
+        document = SceneFile(input=(Input(path="sample:1hpv"),), show=(Show(style=style),))
+        return document.scene()
+
+    return {style: scene(style) for style in ("spacefill", "cartoon")}
 
 
 @pytest.mark.parametrize("cut", [False, True], ids=["whole", "cut"])
 @pytest.mark.parametrize(
-    "changes",
+    ("style", "changes"),
     [
-        {},
-        {"occlusion__technique": "hybrid"},
-        {"semantic__mode": "screen"},
-        {"renderer": "path", "path__samples": 4},
+        ("spacefill", {}),
+        ("spacefill", {"occlusion__technique": "hybrid"}),
+        ("spacefill", {"semantic__mode": "screen"}),
+        ("spacefill", {"renderer": "path", "path__samples": 4}),
+        ("cartoon", {"visibility": "raster"}),
     ],
-    ids=["full", "hybrid", "semantic", "path"],
+    ids=["full", "hybrid", "semantic", "path", "raster"],
 )
-def test_frames_keep_memory(renderer, scene, changes, cut):
+def test_frames_keep_memory(renderer, scenes, style, changes, cut):
+    scene = scenes[style]
     settings = Settings().replace(size=(64, 48), **changes)
     middle = tuple(scene.bounds().mean(axis=0))
     scene.clip = Clip(planes=(Plane(normal=(1, 0, 0), point=middle),) if cut else ())

@@ -50,11 +50,10 @@ fn view_from_local(index: u32, p: vec3f) -> vec3f {
 }
 
 fn clip_position(p: vec3f) -> vec4f {
-    let at = p.xy / view.half_extent;
-    if (view.orthographic != 0u) {
-        return vec4f(at, (draw.far + p.z) / (draw.far - draw.near), 1.0);
-    }
-    return vec4f(at, draw.near, -p.z);
+    // no branch: see picture_interval
+    let parallel = vec2f((draw.far + p.z) / (draw.far - draw.near), 1.0);
+    let zw = select(vec2f(draw.near, -p.z), parallel, view.orthographic != 0u);
+    return vec4f(p.xy / view.half_extent, zw);
 }
 
 fn tile_position(picture: vec2f) -> vec4f {
@@ -123,10 +122,8 @@ fn corner(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u3
 
 fn stored_depth(t: f32, pixel: vec2f) -> f32 {
     let z = t * -view_ray(pixel).direction.z;
-    if (view.orthographic != 0u) {
-        return (draw.far - z) / (draw.far - draw.near);
-    }
-    return draw.near / z;
+    let parallel = (draw.far - z) / (draw.far - draw.near);
+    return select(draw.near / z, parallel, view.orthographic != 0u);
 }
 
 @fragment

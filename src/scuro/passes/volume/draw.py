@@ -69,7 +69,7 @@ class VolumePicture(BuiltVolume):
                 "surface": surface,
                 "surface_light": out,
             },
-            light_constants(settings),
+            light_constants(settings) | {"LIGHT_COUNT": lights["count"]},
             label="volume on surfaces",
         )
 

@@ -21,7 +21,7 @@ fn illumination(p: vec3f) -> vec4f {
         out.x = transparency(OCCLUSION_CONE, p, to_viewer(p), NOTHING);
     }
     if (SHADOWS) {
-        for (var i = 0u; i < lights.count; i++) {
+        for (var i = 0u; i < LIGHT_COUNT + (i >> 31u); i++) {
             let layer = lights.list[i].shadow;
             if (layer >= 0 && layer < 3) {
                 let arriving = incoming_light(lights.list[i], p);

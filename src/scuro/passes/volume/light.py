@@ -145,7 +145,7 @@ class LightTexture:
             "wanted": self._wanted,
             "illuminated": self.texture,
         }
-        chosen = light_constants(settings)
+        chosen = light_constants(settings) | {"LIGHT_COUNT": resources["lights"]["count"]}
         shader = "passes/volume/illuminate.wgsl"
         count = int(np.prod(self.bricks))
         record.clear_buffer(self._wanted)

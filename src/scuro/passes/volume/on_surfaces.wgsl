@@ -19,7 +19,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         // weighted as the lights are
         var sum = light.x * luminance_of(lights.ambient);
         var total = luminance_of(lights.ambient);
-        for (var i = 0u; i < lights.count; i++) {
+        for (var i = 0u; i < LIGHT_COUNT + (i >> 31u); i++) {
             let strength = luminance_of(lights.list[i].color);
             let layer = lights.list[i].shadow;
             sum += strength * select(1.0, light[1 + max(layer, 0)], layer >= 0 && layer < 3);
