@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import copy
 import time
-from collections.abc import Generator, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -41,25 +41,10 @@ from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.lights import DIRECTIONAL
 from scuro.scene.scene import Scene
-from scuro.steps import finished
 from scuro.style.marks import paint
 from scuro.style.region_labels import Survey
-from scuro.trace import Accelerator, build_in_steps
-
-
-@dataclass
-class _Built:
-    """The acceleration structure and what it was built from; shared by sibling renderers."""
-
-    bodies: tuple[Any, ...] = ()
-    accelerator: Accelerator | None = None
-    bounds: Any = None
-    """(2, 3) world box of the scene it was built for."""
-
-    def holds(self, bodies: tuple[Any, ...], bounds: Any) -> bool:
-        """Whether it is of these bodies."""
-        # without bodies the middle of the scene is still the origin of all that is drawn
-        return bodies == self.bodies and (bool(bodies) or np.array_equal(bounds, self.bounds))
+from scuro.trace import Accelerator
+from scuro.trace.kept import Accelerators
 
 
 class Renderer:
@@ -76,8 +61,7 @@ class Renderer:
     def __init__(self, device: str | None = None, *, gpu: Gpu | None = None) -> None:
         self.gpu = gpu or Gpu(device)
         self.targets = TargetPool(self.gpu)
-        self._built = _Built()
-        self._context = _Built()
+        self.accelerators = Accelerators(self.gpu)
         self._volumes = Volumes()
         self.reservoirs = Reservoirs()
         self._paths = PathTracer()
@@ -87,51 +71,12 @@ class Renderer:
         """What frames drawn with ``accumulate`` found."""
 
     def accelerator(self, scene: Scene) -> Accelerator:
-        """The scene's acceleration structure, rebuilt only if a body was replaced.
-
-        Of all but the context: see :meth:`context`.
-        """
-        return finished(self.accelerator_in_steps(scene))
-
-    def accelerator_in_steps(self, scene: Scene) -> Generator[float, None, Accelerator]:
-        """The same in short steps; the one that was there stays until the new one is whole."""
-        bodies, built = tuple(scene.occluders()), self._built
-        bounds = scene.bounds()
-        if built.accelerator is None or not built.holds(bodies, bounds):
-            center = bounds.mean(axis=0)
-            made = yield from build_in_steps(self.gpu, bodies, center, bounds=bounds)
-            built.accelerator, built.bodies, built.bounds = made, bodies, bounds
-        return built.accelerator
-
-    def context(self, scene: Scene) -> Accelerator | None:
-        """That of what the scene shows as context, about the same centre; ``None`` without any."""
-        return finished(self.context_in_steps(scene))
-
-    def context_in_steps(self, scene: Scene) -> Generator[float, None, Accelerator | None]:
-        """The same in short steps, after those of :meth:`accelerator_in_steps`."""
-        bodies, built = tuple(scene.context()), self._context
-        center = (yield from self.accelerator_in_steps(scene)).center
-        if not bodies:
-            built.bodies, built.accelerator = (), None
-        elif not self._holds_context(bodies):
-            made = yield from build_in_steps(self.gpu, bodies, center)
-            built.accelerator, built.bodies = made, bodies
-        return built.accelerator
-
-    def _holds_context(self, bodies: tuple[Any, ...]) -> bool:
-        scene, context = self._built.accelerator, self._context.accelerator
-        if not bodies or scene is None or context is None:
-            return not bodies
-        return bodies == self._context.bodies and np.array_equal(scene.center, context.center)
+        """The scene's acceleration structure, rebuilt only if a body was replaced."""
+        return self.accelerators.scene(scene)
 
     def holds(self, scene: Scene) -> bool:
         """Whether a frame of the scene needs no new acceleration structure."""
-        built = self._built
-        if built.accelerator is None:
-            return False
-        return built.holds(tuple(scene.occluders()), scene.bounds()) and self._holds_context(
-            tuple(scene.context())
-        )
+        return self.accelerators.hold(scene)
 
     def restart(self) -> None:
         """Forget what earlier frames of the same picture gathered."""
@@ -204,7 +149,7 @@ class Renderer:
             The share of a part of the work that is done; nothing if all is there.
         """
         scene.show_reservoirs(settings.reservoir)
-        yield from self._patiently(self.context_in_steps(scene))
+        yield from self._patiently(self.accelerators.context_in_steps(scene))
         part = self.parts(settings)[0]
         frame = self._begun(scene, camera, with_implied(settings), part)
         if frame.settings.renderer != "path" and frame.settings.semantic.mode == "off":
@@ -251,7 +196,7 @@ class Renderer:
             shade_semantic(frame, scene.hierarchy(settings.semantic.parts))
         if frame.history is not None:
             frame.history.end(frame)
-        context = self.context(scene)
+        context = self.accelerators.context(scene)
         if context is not None:
             draw_context(frame, context, scene.clip.cutting)
         if settings.renderer != "path" and settings.semantic.mode == "off":

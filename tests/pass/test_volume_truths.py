@@ -79,7 +79,8 @@ def test_more_bounces_bring_more_light_and_never_more_than_there_is(gpu):
 def test_further_samples_are_added(light):
     """A picture of 2 samples on the way to 16 is not thrown away, and ends as 16 from scratch."""
     from scuro.render_settings import Settings
-    from scuro.scene.scene import Scene, VolumeItem
+    from scuro.scene.items import VolumeItem
+    from scuro.scene.scene import Scene
 
     volume = solid((12, 12, 12))
     scene = Scene([VolumeItem(volume, ramp(0.4))])

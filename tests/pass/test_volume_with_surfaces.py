@@ -12,8 +12,9 @@ from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.geometry import Body, Geometry, Material
+from scuro.scene.items import VolumeItem
 from scuro.scene.lights import Light, Lighting
-from scuro.scene.scene import Scene, VolumeItem
+from scuro.scene.scene import Scene
 from scuro.scene.volume import Volume
 from scuro.style.transfer import TransferFunction
 

@@ -15,8 +15,9 @@ from scuro.export.files import replacing
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip, Plane
 from scuro.scene.geometry import rotation_matrices
+from scuro.scene.items import MoleculeItem
 from scuro.scene.lights import POINT, Light, Lighting
-from scuro.scene.scene import MoleculeItem, Scene
+from scuro.scene.scene import Scene
 from scuro.settings import SettingsGroup, setting
 from scuro.style.radii import atom_radii
 from scuro.style.selection import select

@@ -27,7 +27,8 @@ from scuro.style.reservoir import item_transfer, property_range
 if TYPE_CHECKING:
     from scuro.passes.volume.settings import VolumeSettings
     from scuro.render_settings import Settings
-    from scuro.scene.scene import MoleculeItem, Scene, VolumeItem
+    from scuro.scene.items import MoleculeItem, VolumeItem
+    from scuro.scene.scene import Scene
 
 BINS = 48
 _QUANTITIES = {
@@ -125,7 +126,7 @@ def shown_range(transfer: Any, least: float, greatest: float) -> tuple[float, fl
 
 def molecule_legends(item: MoleculeItem) -> Iterator[Legend]:
     """One for each colour scheme that the molecule is shown in; plain colours have none."""
-    from scuro.scene.scene import Shown
+    from scuro.scene.items import Shown
     from scuro.style.selection import select
 
     molecule = item.molecule

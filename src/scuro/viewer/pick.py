@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.scene.geometry import Body, rotation_matrices
+from scuro.scene.items import MoleculeItem
 from scuro.scene.molecule import Molecule
-from scuro.scene.scene import MoleculeItem, Scene
+from scuro.scene.scene import Scene
 from scuro.viewer.drawing import Drawn
 from scuro.viewer.navigate import Size, unproject
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scuro.passes.volume.settings import VolumeSettings
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip
-from scuro.scene.scene import VolumeItem
+from scuro.scene.items import VolumeItem
 from scuro.style.transfer_choose import choose_transfer
 from scuro.viewer.navigate import Size, pixel_ray
 

@@ -20,7 +20,8 @@ from scuro.measure.variant import Variant
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
-from scuro.scene.scene import Scene, VolumeItem
+from scuro.scene.items import VolumeItem
+from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings, view_camera
 from scuro.scene.volume import Volume
 

@@ -6,8 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from scuro.scene.items import MoleculeItem
 from scuro.scene.molecule import Molecule
-from scuro.scene.scene import MoleculeItem
 from scuro.viewer import navigate
 from scuro.viewer.pick import Pick
 from scuro.viewer.view import View
