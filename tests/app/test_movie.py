@@ -13,8 +13,11 @@ from PIL import Image
 from scuro.app.cli import INTERRUPTED, run
 from scuro.errors import SaveError, SettingsError
 from scuro.export import files
+from scuro.export.encoders import GIF_COLORS, write_gif
 from scuro.export.film_names import FADE, FilmNames
-from scuro.export.motion import Motion, MovieSettings, between, blended
+from scuro.export.keys import between
+from scuro.export.looks import with_look
+from scuro.export.motion import Motion, MovieSettings, blended, mixed, steady
 from scuro.export.movie import Film
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.render import Renderer
@@ -235,9 +238,67 @@ def test_halfway_between_cameras_and_settings():
     assert between(a, b, 0.0).position == pytest.approx(a.position)
     plain = Settings().replace(antialias__method="none")
     first, second = plain, plain.replace(fog__strength=1.0, antialias__method="2x")
-    half = blended(first, second, 0.25)
-    assert half.fog.strength == 0.25 and half.antialias.method == "none"
-    assert blended(first, second, 1.0) == second
+    assert blended(first, second, 0.25) is None, "words differ"
+    second = plain.replace(fog__strength=1.0)
+    assert blended(plain, second, 0.25) == plain.replace(fog__strength=0.25)
+    assert blended(plain, second, 1.0) == second
+    near, far = Camera((0, 0, 10), fov=4.0), Camera((0, 0, 10), fov=60.0)
+    halves = [between(near, far, share).half_height() for share in (0, 0.5, 1)]
+    assert halves[1] / halves[0] == pytest.approx(halves[2] / halves[1]), "by equal factors"
+
+
+def test_pictures_are_mixed_by_what_covers_them():
+    a = np.array([[[200, 100, 0, 255], [90, 90, 90, 0]]], np.uint8)
+    b = np.array([[[100, 100, 100, 255], [40, 50, 60, 255]]], np.uint8)
+    assert mixed(a, b, 0.0).tolist()[0][0] == [200, 100, 0, 255]
+    assert mixed(a, b, 0.5).tolist() == [[[150, 100, 50, 255], [40, 50, 60, 128]]]
+    assert (mixed(a, b, 1.0) == b).all()
+
+
+def test_a_look_passes_over_without_a_jump(tmp_path):
+    """Occlusion's way, outlines and background change; no step is much larger than the others."""
+    document = SceneFile((Input(path="sample:1hpv"),), settings=Settings(size=(48, 36)))
+    motion = Motion(document, MovieSettings(motion="none", length=7, to_look="goodsell"))
+    film = Film(tmp_path / "frames", motion, {})
+    assert len(list(film.draw(Renderer()))) == 7
+    frames = np.stack([np.asarray(Image.open(film.frame_path(n)), float) for n in range(7)])
+    steps = np.abs(np.diff(frames, axis=0)).mean(axis=(1, 2, 3))
+    assert steps.max() < 1.5 * steps.mean()
+    other = with_look(document, "goodsell")
+    last = Renderer().render(other.scene(), motion.camera(6), steady(other.settings)).pixels
+    assert (last == frames[-1]).all()
+
+
+def test_a_gif_keeps_the_background_and_the_nearest_colors(tmp_path):
+    film = tmp_path / "white.gif"
+    assert run(["movie", "sample:1hpv", *SMALL, "--length", "2", "-o", str(film)]) == 0
+    assert all((page[0, 0] == 255).all() for page in pages(film))
+    rng = np.random.default_rng(1)
+    frames = [rng.integers(0, 256, (32, 32, 3), np.uint8) for _ in range(2)]
+    with open(film, "wb") as file:
+        write_gif(file, lambda: iter(frames), 2, 10)
+    with Image.open(film) as gif:
+        palette = np.array(gif.getpalette(), float).reshape(-1, 3)[:GIF_COLORS]
+    best = np.linalg.norm(frames[0][:, :, None] - palette, axis=-1).min(axis=-1)
+    assert np.linalg.norm(pages(film)[0] - frames[0].astype(float), axis=-1) == pytest.approx(best)
+
+
+def test_the_camera_sees_all_frames_of_what_plays(tmp_path):
+    """An atom that walks out of the first frame's picture stays in that of the film."""
+    path = tmp_path / "walk.pdb"
+    line = "ATOM      {}  CA  ALA A   {}    {:8.3f}{:8.3f}{:8.3f}  1.00  0.00           C  \n"
+    text = ""
+    for n in range(4):
+        atoms = line.format(1, 1, 0, 0, 0) + line.format(2, 2, 5 + 10 * n, 0, 0)
+        text += f"MODEL     {n + 1:4d}\n{atoms}ENDMDL\n"
+    path.write_text(text)
+    document = SceneFile((Input(path=str(path)),), settings=Settings(size=(40, 30)))
+    motion = Motion(document, MovieSettings(play=True, motion="none"))
+    assert motion.length == 31, "ten from model to model"
+    for frame in (0, 15, 30):
+        moment = motion.at(frame)
+        places = project(moment.camera, moment.scene.molecules[0].molecule.positions, (40, 30))
+        assert (places[:, :2] > 0).all() and (places[:, :2] < (40, 30)).all()
 
 
 def test_models_play_in_order(shared):

@@ -48,8 +48,11 @@ def command(output: str, device: str | None, as_json: bool, **values: Any) -> No
     about = {"document": document.as_dict(), "movie": movie.as_dict(), "files": stamps(files)}
     film = Film(output, motion, about)
     drawn = _draw(film, motion.length, device)
-    with stage(f"writing {output}"):
-        film.join()
+    try:
+        with stage(f"writing {output}"):
+            film.join()
+    except KeyboardInterrupt:
+        raise _stopped(f"while writing {output}, all frames are kept") from None
     if as_json:
         seconds = round(time.perf_counter() - start, 3)
         size = Path(output).stat().st_size if Path(output).is_file() else None
@@ -73,9 +76,11 @@ def _draw(film: Any, length: int, device: str | None) -> int:
                 done += 1
                 shown.advance(task)
         except KeyboardInterrupt:
-            click.echo(
-                f"scuro: stopped after {done} of {length} frames; the same command goes on",
-                err=True,
-            )
-            raise click.exceptions.Exit(INTERRUPTED) from None
+            raise _stopped(f"after {done} of {length} frames") from None
     return missing
+
+
+def _stopped(where: str) -> click.exceptions.Exit:
+    """Say where a film was broken off; the exit to raise."""
+    click.echo(f"scuro: stopped {where}; the same command goes on", err=True)
+    return click.exceptions.Exit(INTERRUPTED)

@@ -14,10 +14,14 @@ from scuro.errors import SaveError
 
 
 @contextmanager
-def replacing(path: str | PathLike[str]) -> Iterator[BinaryIO]:
+def replacing(path: str | PathLike[str], folder: Path | None = None) -> Iterator[BinaryIO]:
     """Open a file beside ``path`` for writing and rename it to ``path`` when all went well.
 
     On any error the file beside is removed and what was at ``path`` stays as it was.
+
+    Args:
+        path: Where to.
+        folder: Where to write meanwhile, on the same disk; beside ``path`` by default.
 
     Raises:
         SaveError: The folder is missing or not writable, or the disk is full.
@@ -31,7 +35,7 @@ def replacing(path: str | PathLike[str]) -> Iterator[BinaryIO]:
             yield file
         return
     with _saving(path):
-        handle, beside = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+        handle, beside = tempfile.mkstemp(prefix=f".{target.name}.", dir=folder or target.parent)
     try:
         with _saving(path):
             os.close(handle)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from scuro.errors import LoadError, SettingsError
-from scuro.export import toml
+from scuro.errors import SettingsError
+from scuro.export.keys import KeyFrames
 from scuro.export.looks import with_look
 from scuro.export.scene_file import SceneFile
 from scuro.export.zoom import zoom_of, zoom_settings
@@ -22,20 +23,15 @@ from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip, Plane
 from scuro.scene.scene import Scene
-from scuro.scene.view import ViewSettings, view_camera
-from scuro.settings import SettingsGroup, setting, unknown
-
-EASINGS: dict[str, Callable[[float], float]] = {
-    "linear": lambda t: t,
-    "smooth": lambda t: t * t * (3 - 2 * t),
-    "in": lambda t: t * t,
-    "out": lambda t: t * (2 - t),
-}
-"""How time passes between two key frames, 0 to 1."""
-
+from scuro.scene.view import ViewSettings, focus_points, hull, scene_points, view_camera
+from scuro.settings import SettingsGroup, setting
 
 _STEADY = 16
 """Rays of occlusion a pixel in films; see docs/decisions.md."""
+_FITTED = 12
+"""Moments of a trajectory that the camera is fitted to."""
+_A_MODEL = 10
+"""Frames from one model of an ensemble to the next."""
 
 
 class MovieSettings(SettingsGroup):
@@ -48,7 +44,8 @@ class MovieSettings(SettingsGroup):
     )
     length: int | None = setting(
         None,
-        "number of frames (default: 120, 300 zooming, or one a model with --play)",
+        "number of frames (default: 120, 300 zooming; with --play one a frame of the trajectory, "
+        "or ten from model to model)",
         low=1,
         high=100_000,
     )
@@ -66,6 +63,16 @@ class MovieSettings(SettingsGroup):
 
 
 @dataclass(frozen=True)
+class Over:
+    """What a frame passes over into."""
+
+    scene: Scene
+    settings: Settings
+    share: float
+    """How much it shows, 0 to 1."""
+
+
+@dataclass(frozen=True)
 class Moment:
     """All that a frame of a film is drawn with."""
 
@@ -74,6 +81,8 @@ class Moment:
     settings: Settings
     plays: bool = False
     """Whether atoms move from frame to frame."""
+    over: Over | None = None
+    """A second picture to mix with (:func:`mixed`), on the way to another look."""
 
 
 class Motion:
@@ -90,14 +99,21 @@ class Motion:
 
     def __init__(self, document: SceneFile, movie: MovieSettings) -> None:
         self.movie = movie
-        self.scene = document.scene()
+        data = document.read()
+        self.scene = document.scene(data)
         self.settings = document.settings
-        self._look = with_look(document, movie.to_look).settings if movie.to_look else None
+        self._other: tuple[Scene, Settings] | None = None
+        if movie.to_look:
+            other = with_look(document, movie.to_look)
+            same = (other.show, other.light) == (document.show, document.light)
+            self._other = self.scene if same else other.scene(data), other.settings
+        self._trajectory = self._open_trajectory(document) if movie.play else None
         width, height = eye_size(document.settings.stereo, document.settings.size)
-        self._aspect = width / height
-        self._camera = view_camera(
-            self.scene, document.view, self._aspect, turning=movie.motion in ("turntable", "rock")
+        turning = movie.motion in ("turntable", "rock") and not movie.keys
+        seen = partial(
+            view_camera, self.scene, aspect=width / height, points=self._points(document.view)
         )
+        self._camera = seen(document.view, turning=turning)
         self._zoom = None
         if movie.motion == "zoom":
             self._zoom = zoom_of(self.scene, self._camera, movie.zoom_to)
@@ -105,17 +121,44 @@ class Motion:
         self._clip = self.scene.clip
         if movie.sweep and not self._clip.planes:
             raise SettingsError("--sweep moves clipping planes: give --clip, too")
-        self._keys = self._read_keys(document.view) if movie.keys else []
-        self._trajectory = self._open_trajectory(document) if movie.play else None
+        self._keys = KeyFrames(movie.keys, document.view, seen) if movie.keys else None
         self.length = self._length()
+
+    def _points(self, view: ViewSettings) -> NDArray[np.float64] | None:
+        """What the camera must see where atoms move or are shown in two ways: hulls of moments."""
+        last = 0 if self._trajectory is None else len(self._trajectory) - 1
+        if not last and len(self._scenes) == 1:
+            return None
+        found = []
+        for place in np.linspace(0, last, _FITTED if last else 1):
+            self._play(round(float(place)))
+            for scene in self._scenes:
+                focus = focus_points(scene, view.focus) if view.focus else None
+                found.append(hull(scene_points(scene) if focus is None else focus))
+        self._play(0)
+        return np.concatenate(found)
+
+    @property
+    def _scenes(self) -> list[Scene]:
+        """What is shown, in either look."""
+        if self._other is None or self._other[0] is self.scene:
+            return [self.scene]
+        return [self.scene, self._other[0]]
+
+    def _play(self, place: float) -> None:
+        if self._trajectory is not None:
+            molecule = self._trajectory.at(place)
+            for scene in self._scenes:
+                scene.molecules[0].molecule = molecule
 
     def _length(self) -> int:
         if self.movie.length is not None:
             return self.movie.length
         if self._keys:
-            return round(self._keys[-1][0] * self.movie.fps) + 1
+            return round(self._keys.seconds * self.movie.fps) + 1
         if self._trajectory is not None:
-            return len(self._trajectory)
+            count = len(self._trajectory)
+            return count if self._trajectory.timed else (count - 1) * _A_MODEL + 1
         return 300 if self._zoom is not None else 120
 
     def _open_trajectory(self, document: SceneFile) -> Trajectory:
@@ -137,22 +180,31 @@ class Motion:
     def at(self, frame: int) -> Moment:
         """The moment of a frame, from 0."""
         share = frame / max(self.length - 1, 1)
-        self.scene.clip = self._swept(share)
         if self._trajectory is not None:
-            place = share * (len(self._trajectory) - 1)
-            self.scene.molecules[0].molecule = self._trajectory.at(place)
-        settings = (
-            self.settings if self._look is None else blended(self.settings, self._look, share)
-        )
-        plays = self._trajectory is not None
-        return Moment(self.scene, self.camera(frame), steady(settings), plays)
+            self._play(share * (len(self._trajectory) - 1))
+        self.scene.clip = self._swept(share)
+        moment = Moment(self.scene, self.camera(frame), steady(self.settings), self.movie.play)
+        return moment if self._other is None else self._between_looks(moment, share)
+
+    def _between_looks(self, moment: Moment, share: float) -> Moment:
+        """Numbers go over; where words differ, too, a picture in one look passes over the other."""
+        assert self._other is not None
+        scene, settings = self._other
+        scene.clip = moment.scene.clip
+        between = blended(self.settings, settings, share) if scene is moment.scene else None
+        if between is not None:
+            return replace(moment, settings=steady(between))
+        if share == 1:
+            return replace(moment, scene=scene, settings=steady(settings))
+        over = Over(scene, steady(settings), share) if share else None
+        return replace(moment, over=over)
 
     def camera(self, frame: int) -> Camera:
         """The camera of a frame, from 0."""
         # a turntable must not show its first frame twice; all else ends where it should
         turn = frame / self.length
         share = frame / max(self.length - 1, 1)
-        camera = self._key_camera(frame / self.movie.fps) if self._keys else self._camera
+        camera = self._keys.camera(frame / self.movie.fps) if self._keys else self._camera
         if self.movie.motion == "turntable" and not self._keys:
             camera = camera.orbited(360 * turn, 0)
         elif self._zoom is not None and not self._keys:
@@ -169,45 +221,6 @@ class Motion:
 
         return replace(self._clip, planes=tuple(map(moved, self._clip.planes)))
 
-    def _read_keys(self, view: ViewSettings) -> list[tuple[float, str, Camera]]:
-        """Key frames in order: second, easing toward it, camera."""
-        path = self.movie.keys
-        try:
-            text = Path(path).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise LoadError(path, f"cannot be read: {error}") from None
-        lines = toml.Lines(text)
-        found = []
-        for index, values in enumerate(toml.parse(text, path).get("key", [])):
-            line = lines.find(("key", index))
-            at, ease = values.pop("at", None), values.pop("ease", "smooth")
-            if not isinstance(at, int | float):
-                raise LoadError(path, "a [[key]] needs 'at', its second in the film", line)
-            if ease not in EASINGS:
-                raise LoadError(path, unknown("ease", str(ease), EASINGS), line)
-            try:
-                values = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
-                camera = view_camera(self.scene, view.replace(**values), self._aspect)
-            except SettingsError as error:
-                raise LoadError(path, str(error), line) from None
-            found.append((float(at), ease, camera))
-        if not found:
-            raise LoadError(path, "has no [[key]] tables")
-        return sorted(found, key=lambda key: key[0])
-
-    def _key_camera(self, second: float) -> Camera:
-        before = after = self._keys[0]
-        for key in self._keys:
-            if key[0] <= second:
-                before = after = key
-            else:
-                after = key
-                break
-        span = after[0] - before[0]
-        if span <= 0:
-            return before[2]
-        return between(before[2], after[2], EASINGS[after[1]]((second - before[0]) / span))
-
 
 def steady(settings: Settings) -> Settings:
     """Settings of a film's frame: enough rays of occlusion that its grain does not flicker.
@@ -220,38 +233,30 @@ def steady(settings: Settings) -> Settings:
     return settings.replace(occlusion__samples=_STEADY)
 
 
-def between(a: Camera, b: Camera, share: float) -> Camera:
-    """A camera on the way from one to another: turning evenly about a target that moves straight.
-
-    Args:
-        a: At 0.
-        b: At 1.
-        share: How far, 0 to 1.
-    """
-    from scipy.spatial.transform import Rotation, Slerp
-
-    rows = np.stack([camera.view_from_world()[:3, :3] for camera in (a, b)])
-    turned = Slerp([0, 1], Rotation.from_matrix(rows))(share).as_matrix()
-    target = (1 - share) * np.asarray(a.target) + share * np.asarray(b.target)
-    distance = a.distance ** (1 - share) * b.distance**share
-    eye = target + distance * turned[2]
-    height = None
-    if a.height is not None and b.height is not None:
-        height = a.height ** (1 - share) * b.height**share
-    fov = (1 - share) * a.fov + share * b.fov
-    place = tuple(eye.tolist()), tuple(target.tolist()), tuple(turned[1].tolist())
-    return Camera(*place, fov, height)
-
-
-def blended(a: Any, b: Any, share: float) -> Any:
-    """Settings on the way from one to another: numbers go over, words change in the middle."""
+def blended(a: Any, b: Any, share: float) -> Any | None:
+    """Settings on the way from one to another, by their numbers; ``None`` where words differ."""
     made = {}
     for name, value in vars(a).items():
         other = getattr(b, name)
         if isinstance(value, SettingsGroup):
-            made[name] = blended(value, other, share)
+            value = blended(value, other, share)
+            if value is None:
+                return None
         elif isinstance(value, float) and isinstance(other, float):
-            made[name] = (1 - share) * value + share * other
-        else:
-            made[name] = value if share < 0.5 else other
+            value = (1 - share) * value + share * other
+        elif value != other:
+            return None
+        made[name] = value
     return type(a)(**made)
+
+
+def mixed(a: NDArray[np.uint8], b: NDArray[np.uint8], share: float) -> NDArray[np.uint8]:
+    """Pictures (h, w, 4) laid over each other, the second ``share`` opaque (a dissolve).
+
+    In display values, in which equal steps look equal, as films are cut.
+    """
+    weights = (1 - share) * a[..., 3:].astype(np.float32), share * b[..., 3:].astype(np.float32)
+    alpha = weights[0] + weights[1]
+    color = a[..., :3] * weights[0] + b[..., :3] * weights[1]
+    color = np.divide(color, alpha, out=np.zeros_like(color), where=alpha > 0)
+    return (np.concatenate([color, alpha], axis=-1) + 0.5).astype(np.uint8)

@@ -13,39 +13,24 @@ import shutil
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import MissingExtraError, SaveError, SettingsError
+from scuro.export.encoders import CODECS, frames_in, write_gif, write_video
 from scuro.export.files import check_writable, replacing
 from scuro.export.film_names import film_names
-from scuro.export.motion import Motion
+from scuro.export.motion import Motion, mixed
 from scuro.export.png import PngWriter
 from scuro.render import Renderer
 from scuro.settings import unknown
 
 _PLAN = "plan.json"
-_GIF_COLORS = 96
-"""Of 256: fewer make smaller files. Chosen by k-means they are nearer to the frames than 192 by
-median cut (mean error 0.7 against 2.1 of 255 for a turntable of 1HPV), in three quarters of the
-bytes."""
-_GIF_ROUNDS = 3
-_CODECS = {
-    ".mp4": ["-c:v", "libx264", "-crf", "18", "-preset", "medium", "-movflags", "+faststart"],
-    ".webm": ["-c:v", "libvpx-vp9", "-crf", "28", "-b:v", "0", "-row-mt", "1"],
-}
-_COLORS = [
-    # chroma in pairs of pixels needs even sizes
-    "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white,"
-    "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int",
-    # said in the file: players take what says nothing for one or the other by its size
-    "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1",
-    "-color_range", "tv",
-]  # fmt: skip
-"""HD video's way from sRGB to luma and chroma."""
-FORMATS = (".gif", *_CODECS)
+FORMATS = (".gif", *CODECS)
+_FRAME = "[0-9]" * 6 + ".png"
+"""Pattern of the frames' names."""
 
 
 class Film:
@@ -82,8 +67,10 @@ class Film:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise SaveError(self.folder, f"cannot be made: {error.strerror}") from None
+        for begun in (*self.folder.glob(f".{_FRAME}.*"), *self.folder.glob(f".{_PLAN}.*")):
+            begun.unlink(missing_ok=True)  # of a process that was killed
         if known != self._digest:
-            for left in self.folder.glob("[0-9]" * 6 + ".png"):
+            for left in self.folder.glob(_FRAME):
                 left.unlink()
             with replacing(plan) as file:
                 file.write(json.dumps({"film": self._digest}).encode())
@@ -101,11 +88,17 @@ class Film:
         """Draw the missing frames; gives the number of each when it is safe on disk."""
         missing = self.missing
         names = film_names(renderer, self.motion) if missing else None
+        other: Renderer | None = None
         for number in missing:
             moment = self.motion.at(number)
             shown = names.at(number) if names is not None else None
-            image = renderer.render(moment.scene, moment.camera, moment.settings, shown)
-            self.keep(number, image.pixels)
+            pixels = renderer.render(moment.scene, moment.camera, moment.settings, shown).pixels
+            if (over := moment.over) is not None:
+                # with what is built for the other look, which stays from frame to frame
+                other = other or Renderer(gpu=renderer.gpu)
+                image = other.render(over.scene, moment.camera, over.settings, shown)
+                pixels = mixed(pixels, image.pixels, over.share)
+            self.keep(number, pixels)
             yield number
 
     def keep(self, number: int, pixels: NDArray[np.uint8]) -> None:
@@ -121,13 +114,14 @@ class Film:
         if not self.joined:
             (self.folder / _PLAN).unlink()
             return
-        suffix = self.path.suffix.lower()
+        suffix, movie = self.path.suffix.lower(), self.motion.movie
         try:
-            with replacing(self.path) as file:
+            # what is half written stays in the folder, which goes or is used again
+            with replacing(self.path, self.folder) as file:
                 if suffix == ".gif":
-                    self._gif(file)
+                    write_gif(file, self._frames, self.motion.length, movie.fps)
                 else:
-                    self._video(file, _CODECS[suffix], suffix)
+                    self._video(file, suffix)
         except SaveError as error:
             raise SaveError(
                 self.path,
@@ -135,6 +129,18 @@ class Film:
                 "the same command again",
             ) from None
         shutil.rmtree(self.folder, ignore_errors=True)
+
+    def _video(self, file: BinaryIO, suffix: str) -> None:
+        made = self.folder / f"film{suffix}"
+        try:
+            write_video(made, self._frames(), self.motion.settings.size, self.motion.movie.fps)
+            # the encoder's exit says nothing of a disk that was full: count what it wrote
+            if frames_in(made) != self.motion.length:
+                raise SaveError(self.path, "cannot be written: the encoder stopped, disk full?")
+            with open(made, "rb") as whole:
+                shutil.copyfileobj(whole, file)
+        finally:
+            made.unlink(missing_ok=True)
 
     def _frames(self) -> Iterator[NDArray[np.uint8]]:
         """Opaque RGB frames: films lie over the background, or over white."""
@@ -146,68 +152,6 @@ class Film:
             alpha = pixels[..., 3:].astype(np.float32) / 255
             yield (pixels[..., :3] * alpha + 255 * (1 - alpha) + 0.5).astype(np.uint8)
 
-    def _gif(self, file: Any) -> None:
-        """One palette for all frames, from some of them; no dither, which flickers and is large."""
-        from PIL import Image
-
-        step = max(1, self.motion.length // 8)
-        some = [f[::2, ::2] for i, f in enumerate(self._frames()) if i % step == 0]
-        palette = Image.fromarray(np.concatenate(some)).quantize(
-            _GIF_COLORS, Image.Quantize.MEDIANCUT, kmeans=_GIF_ROUNDS
-        )
-        frames = (
-            Image.fromarray(f).quantize(palette=palette, dither=Image.Dither.NONE)
-            for f in self._frames()
-        )
-        first = next(frames)
-        # GIF counts in hundredths of a second
-        duration = max(20, round(100 / self.motion.movie.fps) * 10)
-        first.save(
-            file, "GIF", save_all=True, append_images=frames, duration=duration, loop=0,
-            optimize=False, disposal=1,
-        )  # fmt: skip
-
-    def _video(self, file: Any, codec: list[str], suffix: str) -> None:
-        import imageio_ffmpeg
-
-        width, height = self.motion.settings.size
-        beside = self.folder / f"film{suffix}"
-        writer = imageio_ffmpeg.write_frames(
-            str(beside),
-            (width, height),
-            fps=self.motion.movie.fps,
-            codec=codec[1],
-            quality=None,
-            macro_block_size=1,
-            pix_fmt_out="yuv420p",
-            output_params=[*codec[2:], *_COLORS],
-        )
-        try:
-            writer.send(None)
-            for frame in self._frames():
-                writer.send(np.ascontiguousarray(frame))
-            writer.close()
-            # the encoder's exit says nothing of a disk that was full: count what it wrote
-            if _frames_in(beside) != self.motion.length:
-                raise StopIteration
-            with open(beside, "rb") as made:
-                shutil.copyfileobj(made, file)
-        except (OSError, StopIteration) as error:
-            why = getattr(error, "strerror", None) or "the encoder stopped, is the disk full?"
-            raise SaveError(self.path, f"cannot be written: {why}") from None
-        finally:
-            beside.unlink(missing_ok=True)
-
-
-def _frames_in(path: Path) -> int:
-    """Frames of a video; 0 where it is damaged."""
-    import imageio_ffmpeg
-
-    try:
-        return int(imageio_ffmpeg.count_frames_and_secs(str(path))[0])
-    except (RuntimeError, OSError):
-        return 0
-
 
 def check_format(path: str | PathLike[str]) -> None:
     """Raise if a film cannot be written in the format that a name asks for."""
@@ -216,7 +160,7 @@ def check_format(path: str | PathLike[str]) -> None:
         raise SettingsError(
             unknown("film format", suffix, FORMATS) + ", or a folder for numbered frames"
         )
-    if suffix in _CODECS:
+    if suffix in CODECS:
         try:
             import imageio_ffmpeg  # noqa: F401
         except ImportError:

@@ -7,7 +7,7 @@ setting. The same document is embedded in each picture, so that it can be made a
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from os import PathLike
 from pathlib import Path
@@ -76,20 +76,31 @@ class SceneFile:
     view: ViewSettings = field(default_factory=ViewSettings)
     settings: Settings = field(default_factory=Settings)
 
-    def scene(self) -> Scene:
-        """Read the inputs and show them.
+    def read(self) -> list[Any]:
+        """What the inputs hold.
 
         Raises:
             LoadError: An input cannot be read.
-            SettingsError: A selection, colour or style is not known, or selects nothing.
         """
         from scuro.load import load
 
         if not self.input:
             raise SettingsError("the scene names no input: it was made in Python, not from files")
+        return [load(line.path, format=line.format, options=self.load) for line in self.input]
+
+    def scene(self, data: Sequence[Any] | None = None) -> Scene:
+        """Read the inputs and show them.
+
+        Args:
+            data: What :meth:`read` gave, to be shown once more.
+
+        Raises:
+            LoadError: An input cannot be read.
+            SettingsError: A selection, colour or style is not known, or selects nothing.
+        """
         scene = Scene()
-        for line in self.input:
-            scene.add(load(line.path, format=line.format, options=self.load))
+        for line, found in zip(self.input, self.read() if data is None else data, strict=True):
+            scene.add(found)
             if line.assembly is not None:
                 if scene.items[-1] not in scene.molecules:
                     raise SettingsError(f"{line.path} has no biological assemblies")

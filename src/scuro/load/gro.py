@@ -13,6 +13,7 @@ from scuro.load.table import AtomTable
 
 ANGSTROM = 10.0
 """Å in a nanometre."""
+_NO_BOX = np.zeros((3, 3))
 
 
 def read_table(source: Source) -> AtomTable:
@@ -22,7 +23,7 @@ def read_table(source: Source) -> AtomTable:
         LoadError: The count is missing, the file ends before it, or a number cannot be read.
     """
     lines = Lines(source.data)
-    chosen, model = _frames(source, lines)
+    chosen, model, ends = _frames(source, lines)
 
     def bad(axis: str):
         return lambda i: LoadError(
@@ -50,13 +51,31 @@ def read_table(source: Source) -> AtomTable:
         chain_names=("",),
         serial=serial,
         model=model,
+        boxes=np.stack(
+            [_box(bytes(lines.codes[end])) if end < len(lines.codes) else _NO_BOX for end in ends]
+        ),
     )
 
 
-def _frames(source: Source, lines: Lines) -> tuple[np.ndarray, np.ndarray]:
-    """Lines of the atoms, and the model of each."""
+def _box(line: bytes) -> NDArray[np.float64]:
+    """(3, 3) rows of a box: three lengths, and for slanted ones six more; zeros if unreadable."""
+    try:
+        numbers = [ANGSTROM * float(word) for word in line.split()]
+    except ValueError:
+        return _NO_BOX
+    if len(numbers) not in (3, 9):
+        return _NO_BOX
+    x, y, z = numbers[:3]
+    # the file's order: v1(x) v2(y) v3(z) v1(y) v1(z) v2(x) v2(z) v3(x) v3(y)
+    a, b, c, d, e, f = numbers[3:] or [0.0] * 6
+    return np.array([[x, a, b], [c, y, d], [e, f, z]])
+
+
+def _frames(source: Source, lines: Lines) -> tuple[np.ndarray, np.ndarray, list[int]]:
+    """Lines of the atoms, the model of each, and the lines of the boxes."""
     chosen: list[NDArray] = []
     models: list[NDArray] = []
+    ends: list[int] = []
     at, total = 0, len(lines.codes)
     while at + 1 < total and bytes(lines.codes[at : at + 2]).strip():
         count_text = bytes(lines.codes[at + 1]).strip()
@@ -69,7 +88,8 @@ def _frames(source: Source, lines: Lines) -> tuple[np.ndarray, np.ndarray]:
             )
         chosen.append(np.arange(at + 2, at + 2 + count))
         models.append(np.full(count, len(models) + 1, np.int32))
-        at += 3 + count  # the box's line ends the frame
+        ends.append(at + 2 + count)  # the box's line ends the frame
+        at += 3 + count
     if not chosen or not sum(map(len, chosen)):
         raise LoadError(source.name, "has no atoms")
-    return np.concatenate(chosen), np.concatenate(models)
+    return np.concatenate(chosen), np.concatenate(models), ends

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scuro.errors import SettingsError
+from scuro.load.periodic import HOLDS
 from scuro.load.volume_options import VoxelOptions
 from scuro.settings import SettingsGroup, setting
 
@@ -42,6 +43,15 @@ class LoadOptions(SettingsGroup):
         0.0,
         "which frame of the trajectory, or model of the file, from 0; -1 is the last; between two "
         "frames where it is not whole",
+    )
+    whole: bool = setting(
+        True, "put together what the periodic box of a simulation cuts, and take what is about it"
+    )
+    hold: str = setting(
+        "auto",
+        "what stays where the first frame has it: nothing, the polymers' place, or also their pose "
+        "(the best fit); auto is place where there is a periodic box",
+        choices=HOLDS,
     )
     structures: str | None = setting(
         None, "folder of the ingredient structures of a cell-scale model"

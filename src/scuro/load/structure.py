@@ -6,6 +6,7 @@ from functools import partial
 
 from scuro.load.build import build
 from scuro.load.options import LoadOptions
+from scuro.load.periodic import box_of, put_together
 from scuro.load.source import Source
 from scuro.load.structure_table import read_table
 from scuro.load.trajectory import Trajectory
@@ -20,7 +21,11 @@ def read(format: str, source: Source, options: LoadOptions) -> Molecule:
     """
     if options.trajectory is not None or options.frame:
         return Trajectory.open(format, source, options).at(options.frame)
-    return build(source, read_table(format, source), options)
+    table = read_table(format, source)
+    molecule = build(source, table, options)
+    if options.whole and options.model == "first" and table.boxes is not None:
+        put_together(molecule, box_of(table.boxes[0]))
+    return molecule
 
 
 read_pdb = partial(read, "pdb")

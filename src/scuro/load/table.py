@@ -79,6 +79,8 @@ class AtomTable:
     serial: NDArray[np.int64] | None = None
     model: NDArray[np.int32] | None = None
     radius: NDArray[np.float32] | None = None
+    boxes: NDArray[np.floating] | None = None
+    """(models, 3, 3) rows of the periodic box of each model, Å."""
     chain_entity: NDArray[np.int32] | None = None
     entity_names: tuple[str, ...] = ()
     bonds: FileBonds = field(default_factory=FileBonds)

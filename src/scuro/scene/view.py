@@ -72,7 +72,12 @@ class ViewSettings(SettingsGroup):
 
 
 def view_camera(
-    scene: Scene, view: ViewSettings, aspect: float, *, turning: bool = False
+    scene: Scene,
+    view: ViewSettings,
+    aspect: float,
+    *,
+    turning: bool = False,
+    points: NDArray | None = None,
 ) -> Camera:
     """The camera that a view of a scene means.
 
@@ -81,11 +86,13 @@ def view_camera(
         view: From where.
         aspect: The picture's width over its height.
         turning: Whether the camera will go around, so that it must see all from every side.
+        points: (n, 4) centres and radii to fit instead of those that are in focus now.
 
     Raises:
         SettingsError: The focus selects nothing.
     """
-    points = focus_points(scene, view.focus) if view.focus else scene_points(scene)
+    if points is None:
+        points = focus_points(scene, view.focus) if view.focus else scene_points(scene)
     bounds = _bounds(points) if len(points) else scene.bounds()
     if view.position is not None:
         camera = _placed(view, bounds)
@@ -203,6 +210,18 @@ def scene_points(scene: Scene) -> NDArray[np.float64]:
     boxes = [item.bounds for item in others if hasattr(item, "bounds")]
     found += [_corners(np.asarray(box)) for box in boxes]
     return np.concatenate(found) if found else np.zeros((0, 4))
+
+
+def hull(points: NDArray) -> NDArray[np.float64]:
+    """Those of (n, 4) centres and radii whose hull holds the others; all get the largest radius."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        outer = points[ConvexHull(points[:, :3]).vertices]
+    except (QhullError, ValueError):  # too few, or flat
+        return points
+    outer[:, 3] = points[:, 3].max()
+    return outer
 
 
 def body_points(body: Body, exact: bool) -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scuro.errors import ScuroError, SettingsError
 from scuro.export.files import replacing
 from scuro.export.film_names import film_names
-from scuro.export.motion import Motion, MovieSettings
+from scuro.export.motion import Moment, Motion, MovieSettings, mixed
 from scuro.export.movie import Film, check_format
 from scuro.export.scene_file import SceneFile, write_scene_file
 from scuro.image import Image
@@ -180,19 +180,13 @@ class Saving:
             raise SettingsError("a film's name ends in .gif, .mp4 or .webm")
         # a scene of its own: what is on the screen may change meanwhile
         motion = yield from in_thread(lambda: Motion(document, movie))
-        renderer = Renderer(gpu=self.view.renderer.gpu)
+        renderer, other = (Renderer(gpu=self.view.renderer.gpu) for _ in range(2))
         with TemporaryDirectory(prefix="scuro-") as folder:
             film = Film(Path(folder) / name, motion, {})
             names = film_names(renderer, motion)
             for number in range(motion.length):
-                moment = motion.at(number)
-                frame = _pixels(
-                    renderer,
-                    lambda m=moment: m.scene,  # type: ignore[misc]
-                    moment.camera,
-                    moment.settings,
-                    names.at(number) if names is not None else None,
-                )
+                shown = names.at(number) if names is not None else None
+                frame = _moment(renderer, other, motion.at(number), shown)
                 film.keep(number, (yield from _shifted(frame, number, motion.length)))
             yield from scaled(in_thread(film.join), 1.0, 1.0)
             made = film.path.read_bytes()
@@ -203,6 +197,20 @@ def _copy(made: Path, path: Path) -> None:
     """Put a finished file where it was wanted, whole or not at all."""
     with made.open("rb") as source, replacing(path) as file:
         shutil.copyfileobj(source, file)
+
+
+def _moment(
+    renderer: Renderer, other: Renderer, moment: Moment, names: Names | None
+) -> Generator[float, None, NDArray[np.uint8]]:
+    """Draw a film's frame in slices; ``other`` draws what it passes over into."""
+    over = moment.over
+    count = 1 if over is None else 2
+    first = _pixels(renderer, lambda: moment.scene, moment.camera, moment.settings, names)
+    pixels = yield from _shifted(first, 0, count)
+    if over is not None:
+        second = _pixels(other, lambda: over.scene, moment.camera, over.settings, names)
+        pixels = mixed(pixels, (yield from _shifted(second, 1, count)), over.share)
+    return pixels
 
 
 def _shifted(
