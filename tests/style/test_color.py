@@ -170,6 +170,14 @@ def test_auto_shows_chains_of_a_complex_and_elements_of_all_else(mixture):
     assert (auto[~by_chain] == elements[~by_chain]).all()
 
 
+def test_auto_paints_one_large_polymer_in_the_color_of_its_chain(mixture, monkeypatch):
+    one = replace(mixture, kind=np.where(mixture.chain == 1, LIGAND, mixture.kind).astype(np.uint8))
+    polymer = polymer_atoms(one)
+    assert not (atom_colors(one, "auto")[polymer] == atom_colors(one, "chain")[polymer]).all()
+    monkeypatch.setattr("scuro.style.color_by.MANY", int(polymer.sum()) - 1)
+    assert (atom_colors(one, "auto")[polymer] == atom_colors(one, "chain")[polymer]).all()
+
+
 def test_a_palette_colors_the_outer_compartments_and_spreads_below_them():
     from scuro.style.hierarchy import hierarchy_colors, palette_colors
     from scuro.style.palettes import lch_of, oklch

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from scuro import Scene
 from scuro.errors import SettingsError
-from scuro.scene.molecule import ION, LIGAND, SOLVENT
+from scuro.scene.molecule import ION, LIGAND, SOLVENT, AssemblyPart
 from scuro.style.selection import select
 
 # The atoms of the fixture, by index: MET 0-4, ALA 5-9, GLY 10-14, DA 15-18, HEM 19-21, SO4 22-23,
@@ -195,3 +195,17 @@ def test_auto_keeps_water_where_there_is_no_polymer(mixture):
     kind = np.full(len(mixture), LIGAND, mixture.kind.dtype)
     kind[25] = SOLVENT
     assert select(replace(mixture, kind=kind), "auto").all()
+
+
+def test_copies_of_an_assembly_that_are_not_shown_are_told(mixture):
+    turns = np.tile(np.float32([0, 0, 0, 1]), (60, 1))
+    whole = AssemblyPart((0,), turns, np.zeros((60, 3)))
+    once = replace(whole, rotations=whole.rotations[:1], positions=whole.positions[:1])
+    virus = replace(mixture, assemblies={"1": (once,), "2": (whole, once)})
+    item = Scene().add(virus).molecules[0]
+    assert item.unassembled == ("2", 60)
+    item.assembly = "1"
+    assert item.unassembled == ("", 1)
+    flat = replace(mixture, assemblies={"1": (once,)})
+    assert Scene().add(flat).molecules[0].unassembled == ("", 1)
+    assert Scene().add(mixture).molecules[0].unassembled == ("", 1)

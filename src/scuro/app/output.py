@@ -45,10 +45,18 @@ def print_table(table: Any) -> None:
 def tell_notes(scene: Scene) -> None:
     """Say on standard error what readers mended or missed, and what is left out unasked."""
     for item in scene.molecules:
+        name = item.molecule.source or item.molecule.name
         if left_out := item.left_out:
             click.echo(
-                f"{item.molecule.source or item.molecule.name}: {left_out:,} atoms of water "
-                "about it are left out; '--select all' shows them",
+                f"{name}: {left_out:,} atoms of water about it are left out; "
+                "'--select all' shows them",
+                err=True,
+            )
+        assembly, copies = item.unassembled
+        if assembly:
+            click.echo(
+                f"{name}: this is one of {copies:,} copies in the biological assembly; "
+                f"'--assembly {assembly}' shows them all",
                 err=True,
             )
     for item in scene.items:

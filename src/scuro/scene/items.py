@@ -74,6 +74,21 @@ class MoleculeItem:
             return 0
         return int(np.count_nonzero(bath(self.molecule)))
 
+    @property
+    def unassembled(self) -> tuple[str, int]:
+        """Name and copies of the largest biological assembly, where the file's atoms are shown.
+
+        No name and one copy if an assembly is shown or none repeats anything.
+        """
+        if self.assembly is not None:
+            return "", 1
+        sizes = {
+            name: max((len(part.rotations) for part in parts), default=1)
+            for name, parts in self.molecule.assemblies.items()
+        }
+        name = max(sizes, key=lambda known: sizes[known], default="")
+        return (name, sizes[name]) if sizes.get(name, 1) > 1 else ("", 1)
+
     def divided(self, parts: str = "") -> list[Divided]:
         """The bodies with their division into a tree of parts, chains and residues."""
         from scuro.scene.selection_tree import divisions, parse_tree

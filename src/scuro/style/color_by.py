@@ -9,6 +9,8 @@ from scuro.scene.molecule import POLYMER_NUCLEIC, POLYMER_PROTEIN, Molecule
 from scuro.style import palettes
 
 CARBON, UNKNOWN_ELEMENT = 6, 0
+MANY = 5000
+"""Atoms of one polymer beyond which colours of elements are noise, not knowledge."""
 
 
 def by_element(molecule: Molecule) -> NDArray[np.uint8]:
@@ -46,10 +48,11 @@ def by_residue(molecule: Molecule) -> NDArray[np.uint8]:
 def by_content(molecule: Molecule) -> NDArray[np.uint8]:
     """What says most at first sight: chains of a complex, elements of all else.
 
-    A polymer alone keeps its chain's colour on carbon; ligands, ions and waters show elements.
+    A small polymer alone keeps its chain's colour on carbon only; ligands, ions and waters show
+    elements.
     """
     polymer = polymer_atoms(molecule)
-    if len(np.unique(molecule.chain[polymer])) > 1:
+    if len(np.unique(molecule.chain[polymer])) > 1 or np.count_nonzero(polymer) > MANY:
         return by_complex(molecule)
     carbon = polymer & (molecule.element == CARBON)
     return np.where(carbon[:, None], by_chain(molecule), by_element(molecule))
