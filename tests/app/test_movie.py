@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import json
+import signal
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -156,6 +158,65 @@ def test_a_film_with_names_goes_on_the_same_after_a_break(tmp_path):
     for number in range(8):
         a, b = (film.frame_path(number).read_bytes() for film in films)
         assert a == b, number
+
+
+KILLED = """
+import os, signal, sys
+from scuro.app.cli import run
+from scuro.export import encoders, movie, png
+
+def killing(before, count):
+    def after(*args):
+        nonlocal count
+        result = before(*args)
+        count -= 1
+        if not count:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return result
+    return after
+
+where, *arguments = sys.argv[1:]
+if where == "within":
+    movie.PngWriter.write_rows = killing(png.PngWriter.write_rows, 2)
+elif where == "between":
+    movie.Film.keep = killing(movie.Film.keep, 2)
+else:
+    encoders._Nearest.__call__ = killing(encoders._Nearest.__call__, 3)
+run(arguments)
+"""
+
+
+def test_a_killed_film_goes_on_and_comes_out_the_same(tmp_path):
+    """Killed within a frame, between two, and while frames are joined: nothing is left over."""
+    arguments = ["movie", "sample:1hpv", *SMALL, "--length", "6", "-o"]
+    whole, broken = tmp_path / "whole.gif", tmp_path / "broken.gif"
+    assert run([*arguments, str(whole)]) == 0
+    frames = tmp_path / "broken.gif.frames"
+    for where, finished in (("within", 1), ("between", 3), ("joining", 6)):
+        command = [sys.executable, "-c", KILLED, where, *arguments, str(broken)]
+        assert subprocess.run(command, capture_output=True).returncode == -signal.SIGKILL
+        names = [path.name for path in frames.iterdir()]
+        assert sum(not name.startswith((".", "plan")) for name in names) == finished
+        assert sum(name.startswith(".") for name in names) == (where != "between")
+        assert not broken.exists()
+    assert run([*arguments, str(broken)]) == 0
+    assert broken.read_bytes() == whole.read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["broken.gif", "whole.gif"]
+
+
+@pytest.mark.parametrize("ending", ["gif", "mp4", "webm"])
+def test_the_same_frames_make_the_same_file(tmp_path, ending):
+    document = SceneFile((Input(path="sample:1hpv"),), settings=Settings(size=(32, 24)))
+    motion, rng = Motion(document, MovieSettings(length=3)), np.random.default_rng(0)
+    frames = rng.integers(0, 256, (3, 24, 32, 4), np.uint8)
+    made = []
+    for name in "ab":
+        film = Film(tmp_path / f"{name}.{ending}", motion, {})
+        for number, frame in enumerate(frames):
+            film.keep(number, frame)
+        film.join()
+        made.append(film.path.read_bytes())
+    assert made[0] == made[1]
 
 
 def test_frames_of_another_film_are_not_taken(tmp_path, capsys):

@@ -89,6 +89,22 @@ def test_what_is_about_the_polymers_is_where_it_is_nearest(protein, tmp_path):
         assert (np.abs(now[others] - middle) < np.diag(box) / 2 + 12).all()
 
 
+def test_polymers_that_part_stay_in_their_images(protein, tmp_path):
+    """One chain walks off, beyond half of the box: it does not turn up on the other side."""
+    box = np.diag([160.0, 160.0, 160.0])
+    second = protein.chain == 1
+    frames = [protein.positions.copy() for _ in range(3)]
+    for n, frame in enumerate(frames):
+        frame[second] += (0, 0, 45 + 20 * n)
+    path = write(tmp_path / "a.trr", [wrapped(f, box) for f in frames], box)
+    made = open_trajectory("sample:1hpv", path)
+    polymer = np.isin(protein.kind, (0, 1))
+    a, b = polymer & ~second, polymer & second
+    for n, frame in enumerate(frames):
+        apart = made.positions(n)[b].mean(axis=0) - made.positions(n)[a].mean(axis=0)
+        assert apart == pytest.approx(frame[b].mean(axis=0) - frame[a].mean(axis=0), abs=0.01)
+
+
 def test_between_frames_nothing_flies_across_the_box(protein, tmp_path):
     box = BOXES["cube"]
     frames = [protein.positions.copy() for _ in range(2)]

@@ -34,6 +34,8 @@ _COLORS = [
     "-color_range", "tv",
 ]  # fmt: skip
 """HD video's way from sRGB to luma and chroma."""
+_SAME = ["-fflags", "+bitexact"]
+"""No random marks: the same frames make the same file."""
 
 
 def write_gif(
@@ -124,7 +126,7 @@ def write_video(path: Path, frames: Iterable[Pixels], size: tuple[int, int], fps
         quality=None,
         macro_block_size=1,
         pix_fmt_out="yuv420p",
-        output_params=[*codec[2:], *_COLORS],
+        output_params=[*codec[2:], *_COLORS, *_SAME],
     )
     try:
         writer.send(None)
