@@ -56,6 +56,7 @@ SCENES = {
         Body(_balls(200, 5, 10, (0.05, 0.1))), Body(_balls(1, 6, 1, (6, 6)))
     ],
     "instances": [_turned(_balls(50, 7, 3, (0.5, 1)), 40, 8, 30)],
+    "splinters": [_turned(_balls(50, 33, 6, (0.2, 0.4), (1, 0.2, 0.03)), 40, 34, 30)],
     "assemblies": _assemblies(),
     "a single assembly": [
         _turned(_balls(20, 31, 2, (0.5, 1)), 30, 32, 12, Frames(*_poses(1, 33, 40)))
@@ -130,8 +131,24 @@ def _traced(bodies, o, d, clip=None):
     return nearest, some[:, 0] > 0
 
 
+@pytest.fixture
+def as_if_large(monkeypatch):
+    """Tables as those of scenes of very many instances."""
+    monkeypatch.setattr("scuro.trace.instances.PACKED_FROM", 0)
+    monkeypatch.setattr("scuro.trace.support.FROM", 0)
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_every_sphere_is_found(name):
+    _check_all_spheres(name)
+
+
+@pytest.mark.parametrize("name", ["one giant among dwarfs", "instances", "splinters", "assemblies"])
+def test_every_sphere_is_found_in_packed_tables(name, as_if_large):
+    _check_all_spheres(name)
+
+
+def _check_all_spheres(name):
     spheres = _world(SCENES[name])
     o, d = _rays(spheres, 4000, 3)
     t, margin = _entries(o, d, spheres)

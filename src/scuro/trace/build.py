@@ -61,15 +61,19 @@ class _Sorter:
             "grids": gpu.buffer(plan.grids, label="grids"),
             "slots": slots,
             "instances": instances,
+            "supports": gpu.buffer(plan.supports, label="supports"),
         }
 
     def _run(self, entry: str, threads: int, **build: float) -> None:
         """One dispatch of a kernel."""
         growth = self.plan.growth
         uniform = {"first": 0, "grid": 0, "base": 0, "factor": growth.factor}
-        uniform |= {"margin": growth.margin, "count": threads} | build
+        uniform |= {"margin": growth.margin, "reach": self.plan.farthest, "count": threads}
+        uniform |= {"support_edge": self.plan.supports.shape[1]} | build
+        code = self.plan.encoding
+        uniform |= code.uniform(inner=uniform["grid"] > 0)
         resources = self.resources | {"build": uniform}
-        self.gpu.compute("trace/build.wgsl", entry, (threads,), resources)
+        self.gpu.compute("trace/build.wgsl", entry, (threads,), resources, constants=code.constants)
 
     def _sort(
         self, entry: str, steps: list[Any], cells: int, base: int, first: int

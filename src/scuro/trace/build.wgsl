@@ -2,7 +2,8 @@
 // fill, then sort. One thread an item in `count` and `fill`, one a cell in `finish`. Sorting makes the
 // lists, and with them every picture, independent of the order in which threads ran.
 
-//#include "scene_types.wgsl"
+//#include "instance_table.wgsl"
+//#include "octahedral.wgsl"
 
 struct Build {
     // threads of this dispatch
@@ -16,6 +17,15 @@ struct Build {
     // radii r of solids count as factor r + margin; triangles are not solid
     factor: f32,
     margin: f32,
+    // how far beyond their surfaces instances are listed
+    reach: f32,
+    // texels along the edge of an object's table in `supports`
+    support_edge: u32,
+    // how instances are kept
+    place_step: f32,
+    object_bits: u32,
+    radius_base: u32,
+    radius_shift: u32,
 }
 
 @group(0) @binding(0) var<uniform> build: Build;
@@ -27,6 +37,8 @@ struct Build {
 @group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> cells: array<u32>;
 @group(0) @binding(7) var<storage, read_write> refs: array<u32>;
+// how far each object reaches in each direction of its own frame (trace/support.py)
+@group(0) @binding(8) var<storage, read> supports: array<f32>;
 
 fn slot_at(index: u32) -> vec4f {
     return textureLoad(slots, table_place(index), 0);
@@ -103,7 +115,20 @@ fn cell_range(e: Extent, grid: Grid) -> Range {
     );
 }
 
-// Count an item in all cells that it may touch, or write it there.
+fn cell_number(grid: Grid, cell: vec3i) -> u32 {
+    let c = vec3u(cell);
+    return grid.cells + c.x + grid.dims.x * (c.y + grid.dims.y * c.z);
+}
+
+// Count an item in a cell, or write it there.
+fn put(item: u32, cell: u32, filling: bool) {
+    let place = atomicAdd(&counts[cell], 1u);
+    if (filling) {
+        refs[cells[cell] - build.base + place] = item;
+    }
+}
+
+// The same in all cells that a solid may touch.
 fn visit(item: u32, extent: Extent, grid: Grid, filling: bool) {
     let range = cell_range(extent, grid);
     for (var z = range.low.z; z <= range.high.z; z += 1) {
@@ -113,13 +138,7 @@ fn visit(item: u32, extent: Extent, grid: Grid, filling: bool) {
                 if (!touches(extent, low, grid.cell)) {
                     continue;
                 }
-                let cell = grid.cells + u32(x) + grid.dims.x * (u32(y) + grid.dims.y * u32(z));
-                if (filling) {
-                    let place = atomicAdd(&counts[cell], 1u);
-                    refs[cells[cell] - build.base + place] = item;
-                } else {
-                    atomicAdd(&counts[cell], 1u);
-                }
+                put(item, cell_number(grid, vec3i(x, y, z)), filling);
             }
         }
     }
@@ -134,18 +153,46 @@ fn visit_primitive(index: u32, filling: bool) {
 
 fn visit_instance(index: u32, filling: bool) {
     let row = build.first + index;
-    let texel = textureLoad(instances, table_place(row), 0);
-    if (index >= build.count || radius_of(texel.w) == 0.0) {
+    let texel = textureLoad(instances, table_place(place_index(row)), 0);
+    let place = place_of(texel, build.place_step);
+    let radius = radius_of(place.tag, build.object_bits, build.radius_base, build.radius_shift);
+    if (index >= build.count || radius == 0.0) {
         return;
     }
+    let object = object_of(place.tag, build.object_bits);
+    let turn = conjugate(turn_of(textureLoad(instances, table_place(turn_index(row)), 0)));
     var e: Extent;
-    e.a = bitcast<vec3f>(texel.xyz);
-    e.b = e.a;
-    // as far as anything in it is listed
-    e.radius = radius_of(texel.w) + build.margin;
+    e.a = place.center;
+    e.radius = radius + build.reach;
     e.low = e.a - e.radius;
     e.high = e.a + e.radius;
-    visit(row, e, grids[build.grid], filling);
+    let grid = grids[build.grid];
+    let sliver = 1e-4 * (grid.cell + e.radius);
+    let range = cell_range(e, grid);
+    for (var z = range.low.z; z <= range.high.z; z += 1) {
+        for (var y = range.low.y; y <= range.high.y; y += 1) {
+            for (var x = range.low.x; x <= range.high.x; x += 1) {
+                let low = grid.origin + vec3f(vec3i(x, y, z)) * grid.cell - e.a;
+                // the cell lies beyond a plane through its nearest point, across the way there
+                let off = clamp(vec3f(0.0), low, low + grid.cell);
+                let away = length(off);
+                if (away > e.radius + sliver) {
+                    continue;
+                }
+                if (away <= support_of(object, rotate(turn, off)) + build.reach + sliver) {
+                    put(row, cell_number(grid, vec3i(x, y, z)), filling);
+                }
+            }
+        }
+    }
+}
+
+// How far an object reaches in a direction of its own frame, at least.
+fn support_of(object: u32, direction: vec3f) -> f32 {
+    let edge = build.support_edge;
+    let square = octahedral_square(select(direction, vec3f(0.0, 0.0, 1.0), all(direction == vec3f(0.0))));
+    let texel = min(vec2u((0.5 * square + 0.5) * f32(edge)), vec2u(edge - 1u));
+    return supports[(object * edge + texel.y) * edge + texel.x];
 }
 
 @compute @workgroup_size(64)

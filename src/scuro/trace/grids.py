@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.scene.geometry import Body
+from scuro.trace.instances import Encoding
 from scuro.trace.pack import PackedGeometry
 from scuro.trace.placement import Placement
+from scuro.trace.support import support_tables
 
 GRID = np.dtype(
     [("origin", np.float32, 3), ("cell", np.float32), ("dims", np.uint32, 3), ("cells", np.uint32)]
@@ -57,6 +59,10 @@ class GridPlan:
     cells: int
     """Cells of all others."""
     growth: Growth
+    encoding: Encoding
+    """How instances are read."""
+    supports: NDArray[np.float32]
+    """(objects, e, e) how far objects reach: see :func:`support_tables`."""
     reach: dict[int, float]
     """By ``id(geometry)``: how far beyond their surfaces its solids are listed at most."""
 
@@ -85,9 +91,14 @@ def plan_grids(
     listing_cells = 0
     for number in range(over):
         boxes, radii, counts = _contents(bodies, placement, center, number)
-        grids[number] = _grid_over(boxes, radii, counts, margin)
+        code = placement.encoding
+        spare = margin + (code.steps[min(number, 1)] if code.packed else 0.0)
+        grids[number] = _grid_over(boxes, radii, counts, spare, code.packed)
         grids[number]["cells"] = listing_cells
         listing_cells += int(np.prod(grids[number]["dims"], dtype=np.int64))
+    supports = support_tables(
+        bodies, packed, len(placement), [run.radius for run in placement.runs]
+    )
     slots = cells = 0
     for number, (key, p) in enumerate(packed.items(), start=over):
         first_slots[key], grid_of[key] = slots, number
@@ -98,7 +109,8 @@ def plan_grids(
         cells += int(np.prod(dims, dtype=np.int64))
     return GridPlan(
         grids, over, placement.listed, grid_of, first_slots,
-        tuple(p.primitives for p in packed.values()), listing_cells, cells, growth, reach,
+        tuple(p.primitives for p in packed.values()), listing_cells, cells, growth,
+        placement.encoding, supports, reach,
     )  # fmt: skip
 
 
@@ -120,9 +132,13 @@ def _contents(
 
 
 def _grid_over(
-    boxes: list[NDArray], radii: Sequence[float], counts: Sequence[int], margin: float
+    boxes: list[NDArray],
+    radii: Sequence[float],
+    counts: Sequence[int],
+    margin: float,
+    sparing: bool,
 ) -> tuple[Any, ...]:
-    """A grid over instances: cells about as large as a typical one."""
+    """A grid over instances: cells about as large as a typical one, or larger to save memory."""
     if not boxes:
         return np.zeros(3), 1.0, np.ones(3), 0
     typical = weighted_median(radii, counts)
@@ -132,7 +148,9 @@ def _grid_over(
     high = np.max([b[1] for b in boxes], 0) + border
     size = high - low
     cell = max(
-        2 * typical, float(np.cbrt(np.prod(size) / (4 * sum(counts) + 8))), float(size.max()) / 512
+        (2.5 if sparing else 2.0) * typical,
+        float(np.cbrt(np.prod(size) / (4 * sum(counts) + 8))),
+        float(size.max()) / 512,
     )
     return low, cell, np.maximum(np.ceil(size / cell), 1), 0
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scuro.errors import GpuError
 from scuro.gpu import Gpu
 from scuro.scene.geometry import Body, Frames, turned
-from scuro.trace.instances import place_words, turn_words
+from scuro.trace.instances import Encoding, encoding_for
 from scuro.trace.pack import PackedGeometry
 from scuro.trace.table import empty_table, fill_table
 
@@ -43,6 +43,8 @@ class Run:
     """Of the object."""
     radius: float
     """Of the bounding sphere; 0 if there is nothing in it."""
+    inner: bool
+    """Whether it lies in an assembly."""
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -87,6 +89,8 @@ class Placement:
     """For each body its assembly."""
     opaque: bool
     """Whether all bodies are."""
+    encoding: Encoding
+    """How the rows are written."""
 
     def __len__(self) -> int:
         """Rows of the table."""
@@ -106,26 +110,14 @@ class Placement:
 
     def upload(self, gpu: Gpu) -> Generator[float, None, Any]:
         """Put the instance table of wgsl/scene.wgsl on the GPU, slice by slice."""
-        count = len(self)
-        table = empty_table(gpu, count + -(-count // 2), "rgba32uint", "instances")
-        done = 0
-        # rotations lie two a texel: an odd one waits for its neighbour
-        waiting = np.zeros((0, 2), np.uint32)
+        code = self.encoding
+        table = empty_table(gpu, code.texels * len(self), "rgba32uint", "instances")
         for run in self.runs:
             for start, stop in run.slices():
-                words = place_words(run.centers(start, stop), run.number, run.radius)
-                fill_table(gpu, table, done, words)
-                turns = np.concatenate([waiting, turn_words(run.rotations[start:stop])])
-                even = len(turns) // 2 * 2
-                fill_table(
-                    gpu, table, count + (done - len(waiting)) // 2, turns[:even].reshape(-1, 4)
-                )
-                waiting = turns[even:]
-                done += stop - start
-                yield done / count
-        if len(waiting):
-            last = np.concatenate([waiting, np.zeros((1, 2), np.uint32)])
-            fill_table(gpu, table, count + done // 2, last.reshape(-1, 4))
+                centers, rotations = run.centers(start, stop), run.rotations[start:stop]
+                rows = code.rows(centers, rotations, run.number, run.radius, run.inner)
+                fill_table(gpu, table, code.texels * (run.first + start), rows)
+                yield (run.first + stop) / len(self)
         return table
 
 
@@ -161,7 +153,7 @@ def place(bodies: Sequence[Body], center: NDArray, packed: dict[int, PackedGeome
         radius = p.radius if len(p.primitives) else 0.0
         runs.append(
             Run(int(rows[index]), body.rotations, body.positions, p.middle, origins[index],
-                index, radius)
+                index, radius, body.frames is not None)
         )  # fmt: skip
     # an assembly that is placed nowhere is listed nowhere
     listed = [[runs[i] for i, body in enumerate(bodies) if body.frames is None]]
@@ -174,11 +166,15 @@ def place(bodies: Sequence[Body], center: NDArray, packed: dict[int, PackedGeome
         radius = max((_reach(run) for run in inside), default=0.0) * 1.00001
         assemblies.append(Assembly(frames, tuple(group), middle, next_row, radius))
         run = Run(next_row, frames.rotations, frames.positions, middle, origin,
-                  len(bodies) + number, radius)  # fmt: skip
+                  len(bodies) + number, radius, False)  # fmt: skip
         runs.append(run)
         listed[0].append(run)
         listed.append(inside)
         next_row += len(run)
+    halves = tuple(
+        max((_half(r) for r in runs if r.inner == i), default=0.0) for i in (False, True)
+    )
+    code = encoding_for(len(runs), next_row, [run.radius for run in runs], (halves[0], halves[1]))
     return Placement(
         tuple(runs),
         tuple(int(n) for n in numbers[:-1]),
@@ -186,6 +182,7 @@ def place(bodies: Sequence[Body], center: NDArray, packed: dict[int, PackedGeome
         tuple(assemblies),
         tuple(of_body),
         all(body.material.opacity == 1 for body in bodies),
+        code,
     )
 
 
@@ -193,6 +190,14 @@ def _reach(run: Run) -> float:
     """How far from its origin the bounding spheres of a run reach."""
     far = (np.linalg.norm(run.centers(*s), axis=1).max() for s in run.slices())
     return float(max(far, default=0.0)) + run.radius
+
+
+def _half(run: Run) -> float:
+    """Half the edge of a cube about its origin in which the centres of a run lie."""
+    if not len(run):
+        return 0.0
+    low, high = run.positions.min(0) - run.origin, run.positions.max(0) - run.origin
+    return float(np.maximum(-low, high).max() + np.linalg.norm(run.middle))
 
 
 def _rows(runs: Iterable[Run]) -> tuple[tuple[int, int], ...]:

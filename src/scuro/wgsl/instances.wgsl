@@ -47,7 +47,7 @@ fn skips(instance: u32, object: u32) -> bool {
 
 // `eye` is the camera in the ray's frame.
 fn local_view(ray: Ray, eye: vec3f, index: u32, t_min: f32, t_max: f32, kept: Kept) -> Local {
-    let instance = instance_at(index);
+    let instance = instance_in(index, frame_at_hand);
     let object = traced_object(instance.object);
     let to_center = instance.center - ray.origin;
     let along = dot(to_center, ray.direction);

@@ -11,9 +11,8 @@ override HAS_LEVELS: bool = true;
 // Whether some instances are whole assemblies, placed by frames.
 override HAS_NESTING: bool = false;
 
-//#include "scene_types.wgsl"
+//#include "instance_table.wgsl"
 
-// kept in 24 bytes
 struct Instance {
     rotation: vec4f,
     // scene position of the geometry's local origin, which is the middle of its box
@@ -73,8 +72,12 @@ struct Scene {
     eye: vec3f,
     detail_slope: f32,
     detail_floor: f32,
-    // number of all instances
-    instances: u32,
+    // how instances are kept (trace/instances.py): steps of coordinates in the scene and in assemblies
+    place_step: f32,
+    inner_step: f32,
+    object_bits: u32,
+    radius_base: u32,
+    radius_shift: u32,
     // how far beyond their bounding spheres they are listed
     reach: f32,
     // what is added to the number of an entry of `walked` to find its reference
@@ -88,7 +91,7 @@ struct Scene {
 @group(1) @binding(2) var walked: texture_2d<u32>;
 // all cells of grids over instances, then what they list, then the primitive of each entry of `walked`
 @group(1) @binding(3) var refs: texture_2d<u32>;
-// a texel for the place of each instance, then half of one for its rotation (trace/instances.py)
+// a texel or two for each instance (trace/instances.py)
 @group(1) @binding(4) var instances: texture_2d<u32>;
 // OBJECT_TEXELS an object
 @group(1) @binding(5) var objects: texture_2d<u32>;
@@ -118,31 +121,30 @@ fn listed_at(index: u32) -> u32 {
 
 const NO_ENTRIES: u32 = 0x80000000u;
 
-// The sphere in which all that an instance lists lies.
+// The frame of the assembly through which a ray goes.
+var<private> frame_at_hand: u32 = NO_FRAME;
+
+fn place_at(index: u32, frame: u32) -> Standing {
+    let step = select(scene.inner_step, scene.place_step, !HAS_NESTING || frame == NO_FRAME);
+    return place_of(textureLoad(instances, table_place(place_index(index)), 0), step);
+}
+
+// The sphere in which all that an instance lists lies, where the ray is.
 fn bound_of(instance: u32) -> vec4f {
-    let place = textureLoad(instances, table_place(instance), 0);
-    return vec4f(bitcast<vec3f>(place.xyz), radius_of(place.w) + scene.reach);
+    let place = place_at(instance, frame_at_hand);
+    let radius = radius_of(place.tag, scene.object_bits, scene.radius_base, scene.radius_shift);
+    return vec4f(place.center, radius + scene.reach);
+}
+
+// An instance in the space of the scene, or of the assembly that stands in a frame.
+fn instance_in(index: u32, frame: u32) -> Instance {
+    let place = place_at(index, frame);
+    let turn = turn_of(textureLoad(instances, table_place(turn_index(index)), 0));
+    return Instance(turn, place.center, object_of(place.tag, scene.object_bits));
 }
 
 fn instance_at(index: u32) -> Instance {
-    let place = textureLoad(instances, table_place(index), 0);
-    let pair = textureLoad(instances, table_place(scene.instances + index / 2u), 0);
-    let turn = turn_of(select(pair.xy, pair.zw, (index & 1u) != 0u));
-    return Instance(turn, bitcast<vec3f>(place.xyz), place.w & 0xfffffu);
-}
-
-// A unit quaternion from three of its components and the number of the fourth, the largest.
-fn turn_of(words: vec2u) -> vec4f {
-    let second = (words.x >> 20u) | (words.y << 12u);
-    let codes = vec3i(bitcast<vec3i>(vec3u(words.x, second, words.y >> 8u) << vec3u(12u))) >> vec3u(12u);
-    let v = vec3f(codes) * (0.70710678118 / 524287.0);
-    let largest = sqrt(max(0.0, 1.0 - dot(v, v)));
-    let which = words.y >> 28u;
-    return select(
-        select(vec4f(v, largest), vec4f(v.xy, largest, v.z), which == 2u),
-        select(vec4f(v.x, largest, v.yz), vec4f(largest, v), which == 0u),
-        which < 2u,
-    );
+    return instance_in(index, NO_FRAME);
 }
 
 fn traced_object(index: u32) -> Traced {
@@ -161,14 +163,6 @@ fn material_at(index: u32) -> Material {
     return Material(c.x, c.y, c.z, c.w, bitcast<f32>(d.x), bitcast<f32>(d.y), d.z);
 }
 
-fn conjugate(q: vec4f) -> vec4f {
-    return vec4f(-q.xyz, q.w);
-}
-
-fn rotate(q: vec4f, v: vec3f) -> vec3f {
-    return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
-}
-
 // A point of the scene as an instance sees it.
 fn in_frame(instance: Instance, p: vec3f) -> vec3f {
     return rotate(conjugate(instance.rotation), p - instance.center);
@@ -176,7 +170,7 @@ fn in_frame(instance: Instance, p: vec3f) -> vec3f {
 
 // An instance in the scene, through the frame of its assembly if it is in one.
 fn placed(index: u32, frame: u32) -> Instance {
-    let inner = instance_at(index);
+    let inner = instance_in(index, frame);
     if (!HAS_NESTING || frame == NO_FRAME) {
         return inner;
     }

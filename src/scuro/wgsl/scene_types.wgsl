@@ -33,9 +33,3 @@ const TABLE_BITS: u32 = 13u;
 fn table_place(index: u32) -> vec2u {
     return vec2u(index & ((1u << TABLE_BITS) - 1u), index >> TABLE_BITS);
 }
-
-// The bounding radius in the last word of an instance's first texel: 7 bits of exponent, 5 of
-// mantissa; the other 20 bits are its object. See trace/instances.py.
-fn radius_of(word: u32) -> f32 {
-    return select(bitcast<f32>(((word >> 20u) + 2048u) << 18u), 0.0, word < 0x100000u);
-}

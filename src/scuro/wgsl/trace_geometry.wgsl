@@ -19,9 +19,6 @@ struct Hit {
 
 const NO_HIT = Hit(NOTHING, NO_PRIMITIVE, 0u, 0u, 2.0, NO_FRAME);
 
-// The frame of the assembly through which a ray goes.
-var<private> frame_at_hand: u32 = NO_FRAME;
-
 // Take an entry's hit if it is nearer than the best so far; `primitive` is its index meanwhile.
 fn consider(
     ray: Ray, entry: Entry, index: u32, instance: u32, t_min: f32, kept: Kept,
