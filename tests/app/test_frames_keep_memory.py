@@ -1,11 +1,12 @@
 """Frames leave no memory behind, as those of lavapipe may (docs/decisions.md, Viewer)."""
 
-import ctypes
 import gc
 
 import pytest
 
 from scuro.export.scene_file import Input, SceneFile, Show
+from scuro.gpu.program import Programs
+from scuro.measure.memory import held
 from scuro.render_settings import Settings
 from scuro.scene.clip import Clip, Plane
 
@@ -13,26 +14,13 @@ MOST = 150.0
 """kB a frame: such a loss is 200 kB a dispatch, the caches of uniforms that still fill some 30."""
 
 
-_FIELDS = (
-    "arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks", "fordblks",
-    "keepcost",
-)  # fmt: skip
-
-
-class _Heap(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_size_t) for name in _FIELDS]
-
-
 def used():
     """kB that malloc has given out."""
-    try:
-        mallinfo2 = ctypes.CDLL("libc.so.6").mallinfo2
-    except (OSError, AttributeError):
-        pytest.skip("needs mallinfo2 of the GNU C library")
-    mallinfo2.restype = _Heap
     gc.collect()
-    heap = mallinfo2()
-    return (heap.uordblks + heap.hblkhd) / 1024
+    pieces = held()
+    if not pieces:
+        pytest.skip("needs mallinfo2 of the GNU C library")
+    return 1024 * sum(pieces.values())
 
 
 @pytest.fixture(scope="module")
@@ -72,3 +60,18 @@ def test_frames_keep_memory(renderer, scenes, style, changes, cut):
     before = used()
     draw(12)
     assert (used() - before) / 12 < MOST
+
+
+def test_pipelines_are_bounded_and_pictures_the_same_when_they_are_made_anew(
+    renderer, scenes, monkeypatch
+):
+    settings = Settings().replace(size=(64, 48))
+    scene = scenes["spacefill"]
+    camera = renderer.fitted(scene, settings)
+    before = renderer.render(scene, camera, settings).pixels
+    monkeypatch.setattr("scuro.gpu.program.MOST_PROGRAMS", 3)
+    monkeypatch.setattr(renderer.gpu, "programs", Programs(renderer.gpu.device))
+    for _ in range(2):
+        image = renderer.render(scene, camera, settings)
+        assert renderer.gpu.programs.count <= 3
+        assert (image.pixels == before).all()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import weakref
+from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
@@ -19,9 +20,10 @@ if TYPE_CHECKING:
 class Program:
     """A pipeline and the layout of what it wants bound."""
 
-    def __init__(self, source: Source, layouts: list[Any], pipeline: Any) -> None:
+    def __init__(self, source: Source, layouts: list[Any], pipeline: Any, module: Any) -> None:
         self.source = source
         self.pipeline = pipeline
+        self._module = module  # kept for other pipelines of the same text
         self.name = PurePosixPath(source.file).stem
         self._layouts = layouts
         self._groups: dict[tuple, tuple[Any, list[weakref.ref[Any]]]] = {}
@@ -83,14 +85,24 @@ def _view(texture: Any, type: str) -> Any:
     return texture.create_view()
 
 
+MOST_PROGRAMS = 128
+"""Pipelines that are kept, the last used: a picture takes some thirty, but a person who tries every
+technique thousands, and lavapipe holds 4 MB for each."""
+
+
 class Programs:
-    """All pipelines of one device."""
+    """The pipelines of one device."""
 
     def __init__(self, device: Any) -> None:
         self._device = device
-        self._modules: dict[str, Any] = {}
+        self._modules: weakref.WeakValueDictionary[str, Any] = weakref.WeakValueDictionary()
         self._layouts: dict[tuple, Any] = {}
-        self._programs: dict[tuple, Program] = {}
+        self._programs: OrderedDict[tuple, Program] = OrderedDict()
+
+    @property
+    def count(self) -> int:
+        """How many pipelines are kept."""
+        return len(self._programs)
 
     def compute(self, shader: str | Source, entry: str, constants: Mapping[str, float]) -> Program:
         """The compute program of an entry point with given ``override`` values.
@@ -105,19 +117,20 @@ class Programs:
             if entry not in source.workgroups:
                 raise ShaderError(source.file, None, f"there is no compute entry point '{entry}'")
             layouts = self._bind_layouts(source, compute=True)
-            with_module = self._module(source)
+            module = self._module(source)
             try:
                 pipeline = self._device.create_compute_pipeline(
                     layout=self._device.create_pipeline_layout(bind_group_layouts=layouts),
                     compute={
-                        "module": with_module,
+                        "module": module,
                         "entry_point": entry,
                         "constants": dict(constants),
                     },
                 )
             except Exception as error:
                 raise _explained(source, error) from None
-            self._programs[key] = Program(source, layouts, pipeline)
+            self._keep(key, Program(source, layouts, pipeline, module))
+        self._programs.move_to_end(key)
         return self._programs[key]
 
     def render(
@@ -166,18 +179,25 @@ class Programs:
                 )
             except Exception as error:
                 raise _explained(source, error) from None
-            self._programs[key] = Program(source, layouts, pipeline)
+            self._keep(key, Program(source, layouts, pipeline, module))
+        self._programs.move_to_end(key)
         return self._programs[key]
 
+    def _keep(self, key: tuple, program: Program) -> None:
+        self._programs[key] = program
+        while len(self._programs) > MOST_PROGRAMS:
+            self._programs.popitem(last=False)
+
     def _module(self, source: Source) -> Any:
-        if source.text not in self._modules:
+        module = self._modules.get(source.text)
+        if module is None:
             try:
-                self._modules[source.text] = self._device.create_shader_module(
+                module = self._modules[source.text] = self._device.create_shader_module(
                     code=source.text, label=source.file
                 )
             except Exception as error:
                 raise _explained(source, error) from None
-        return self._modules[source.text]
+        return module
 
     def _bind_layouts(self, source: Source, *, compute: bool) -> list[Any]:
         import wgpu

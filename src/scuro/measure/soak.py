@@ -3,22 +3,38 @@
 from __future__ import annotations
 
 import gc
-import os
 import random
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from scuro.errors import ScuroError
 from scuro.export.scene_file import SceneFile
+from scuro.measure.memory import held, resident_mb
+from scuro.measure.soak_tour import tour
 from scuro.viewer.screen import Screen
 
 _KEYS = (*"xyzfiobncvpw,. ", "Delete", "Escape", "Tab", "ArrowUp", "ArrowLeft", "PageDown")
 _ROUND = 4.0
 """Seconds after which all is put back as it was, and memory is measured: what the hands have set
 (a finer picture, a larger atlas) may take memory, but not keep it."""
-_WARM_UP = 0.3
-"""Share of the time after which caches are full and growth is counted."""
+_GLANCE = 0.6
+"""Seconds that each feature of the tour is drawn for at most."""
+_RESTLESS = 90.0
+"""Seconds after which a picture that does not come to rest has failed."""
+
+
+@dataclass(frozen=True)
+class Round:
+    """Memory after the hands have put all back."""
+
+    seconds: float
+    """Since the hands began; before, of the tour, it is negative."""
+    resident: float
+    """MB of the process that are in RAM."""
+    parts: dict[str, float]
+    """What holds memory, by name: MB, or how many."""
 
 
 @dataclass
@@ -27,26 +43,105 @@ class Soaked:
 
     events: int = 0
     pictures: int = 0
+    features: int = 0
+    """How many were used once before growth counted."""
     longest: float = 0.0
     """Seconds the window stood still at most."""
-    memory: list[float] = field(default_factory=list)
-    """Resident MB after each round."""
+    rounds: list[Round] = field(default_factory=list)
+    """Of the hands, after the tour."""
 
     @property
     def growth(self) -> float:
-        """Growth of memory after the warm-up, as a share: the median of the last tenth of the
-        time in relation to that of the tenth after the warm-up."""
-        count = len(self.memory)
-        tenth = max(1, count // 10)
-        first = int(count * _WARM_UP)
-        return _median(self.memory[-tenth:]) / _median(self.memory[first : first + tenth]) - 1
+        """Growth of memory since the tour, as a share: the median of the last tenth of the rounds
+        in relation to that of the first tenth; 0 before there are two."""
+        memory = [r.resident for r in self.rounds]
+        tenth = max(1, len(memory) // 10)
+        return _median(memory[-tenth:]) / _median(memory[:tenth]) - 1 if memory else 0.0
+
+    @property
+    def pace(self) -> float:
+        """MB a minute that memory grows in the second half of the time: the slope of a line."""
+        import numpy as np
+
+        half = self.rounds[len(self.rounds) // 2 :]
+        if len(half) < 3:
+            return 0.0
+        slope = np.polyfit([r.seconds for r in half], [r.resident for r in half], 1)[0]
+        return float(60 * slope)
+
+    def trends(self) -> dict[str, tuple[float, float]]:
+        """What holds memory: how much at first and at last."""
+        if not self.rounds:
+            return {}
+        first, last = self.rounds[0].parts, self.rounds[-1].parts
+        return {name: (first[name], last[name]) for name in first}
+
+    def line(self) -> str:
+        """The result in a line."""
+        if not self.rounds:
+            return f"no round was completed; {self.features} features were used"
+        return (
+            f"{self.rounds[-1].seconds:.0f} s, {self.events} events, {self.pictures} pictures, "
+            f"longest standstill {self.longest:.2f} s; memory {self.rounds[0].resident:.0f} MB "
+            f"after {self.features} features, now {self.rounds[-1].resident:.0f} MB: "
+            f"growth {self.growth:+.1%}, lately {self.pace:+.1f} MB/min"
+        )
 
 
-def resident_mb() -> float:
-    """Memory of this process that is in RAM, in MB."""
-    import psutil
+class _Soak:
+    """Hands, a screen and what comes of it."""
 
-    return float(psutil.Process(os.getpid()).memory_info().rss / (1 << 20))
+    def __init__(self, screen: Screen, clock: Callable[[], float], result: Soaked) -> None:
+        self.screen, self.clock, self.result = screen, clock, result
+        self.target: Any = None
+
+    def draw(self) -> None:
+        screen = self.screen
+        size = screen.physical
+        if self.target is None or self.target.size[:2] != size:
+            self.target = screen.gpu.texture(size, "rgba8unorm", attachment=True)
+        start = self.clock()
+        screen.draw(self.target)
+        screen.gpu.finish()
+        self.result.longest = max(self.result.longest, self.clock() - start)
+        self.result.pictures += 1
+
+    def rest(self, most: float, enough: bool = False) -> None:
+        """Draw until there is nothing to draw, or, where that is ``enough``, for some seconds."""
+        end = self.clock() + most
+        view = self.screen.view
+        # a text field that was clicked has its cursor blink for ever: that is no reason to go on
+        while self.screen.wait == 0.0 or not view.complete:
+            if self.clock() > end:
+                if enough:
+                    return
+                raise ScuroError(f"the picture does not come to rest: {view.status}")
+            self.draw()
+
+    def put_back(self, document: SceneFile) -> None:
+        """All as it was at first, drawn to the end."""
+        screen = self.screen
+        screen.handle({"event_type": "key_down", "key": "Escape", "modifiers": ()})
+        screen.model.player.stop()
+        screen.view.spinning = False
+        screen.panel.jobs.close()
+        screen.model.open(document)
+        screen.view.camera = screen.view.initial_camera()
+        screen.view.stir()
+        screen.panel.open = True
+        self.rest(_RESTLESS)
+        gc.collect()
+
+    def hands(self, hands: random.Random) -> None:
+        """A gesture, and a few pictures of what it did."""
+        for event in _gesture(hands, self.screen.logical):
+            self.screen.handle(event)
+            self.result.events += 1
+            self.draw()
+        for _ in range(hands.randrange(6)):
+            if self.screen.wait is None:
+                break
+            self.draw()
 
 
 def soak(
@@ -54,61 +149,58 @@ def soak(
     seconds: float,
     seed: int = 0,
     clock: Callable[[], float] = time.perf_counter,
+    documents: Sequence[SceneFile] | None = None,
+    warm: bool = True,
+    say: Callable[[str], None] = lambda line: None,
+    result: Soaked | None = None,
 ) -> Soaked:
-    """Drag, scroll, click and press keys at random, drawing between.
+    """Use every feature once; then drag, scroll, click and press keys at random, drawing between.
 
     Args:
         screen: Already of some size.
-        seconds: For how long.
+        seconds: For how long the hands have it, after the tour of the features.
         seed: Of the hands.
         clock: Seconds, for tests.
+        documents: Shown in turn, one a round; the one that is open by default.
+        warm: Whether to use every feature first.
+        say: Is told how it goes, after every feature and round.
+        result: Where to keep what came of it, for one who may have to stop.
+
+    Raises:
+        ScuroError: A picture never comes to rest.
     """
-    hands, result = random.Random(seed), Soaked()
-    target = screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True)
-    document = screen.model.document
-    end = clock() + seconds
-    again = clock() + _ROUND
-    while (now := clock()) < end:
-        if now >= again:
-            again = now + _ROUND
-            _put_back(screen, document, target)
-            result.memory.append(resident_mb())
-        for event in _gesture(hands, screen.logical):
-            screen.handle(event)
-            result.events += 1
-            _draw(screen, target, result, clock)
-        for _ in range(hands.randrange(6)):
-            if screen.wait is None:
-                break
-            _draw(screen, target, result, clock)
-    _put_back(screen, document, target)
-    result.memory.append(resident_mb())
+    result = Soaked() if result is None else result
+    documents = documents or [screen.model.document]
+    at, hand = _Soak(screen, clock, result), random.Random(seed)
+    for document in documents if warm else ():
+        at.put_back(document)
+        for name in tour(screen, lambda: at.rest(_GLANCE, enough=True)):
+            result.features += 1
+            say(f"{result.features} features, {resident_mb():.0f} MB: {name}")
+    begun, turn = clock(), 0
+    while clock() < begun + seconds or not turn:
+        document = documents[turn % len(documents)]
+        at.put_back(document)
+        again = clock() + _ROUND
+        while clock() < min(again, begun + seconds):
+            at.hands(hand)
+        # always the first, so that rounds compare
+        at.put_back(documents[0])
+        turn += 1
+        result.rounds.append(Round(clock() - begun, resident_mb(), _parts(screen)))
+        say(result.line())
     return result
 
 
-def _put_back(screen: Screen, document: SceneFile, target: Any) -> None:
-    """As it was at first, drawn to the end."""
-    screen.handle({"event_type": "key_down", "key": "Escape", "modifiers": ()})
-    screen.model.player.stop()
-    screen.view.spinning = False
-    screen.panel.jobs.close()
-    screen.model.open(document)
-    screen.view.camera = screen.view.initial_camera()
-    screen.view.stir()
-    screen.panel.open = True
-    # a text field that was clicked has its cursor blink for ever: that is no reason to go on
-    while screen.wait == 0.0 or not screen.view.complete:
-        screen.draw(target)
-        screen.gpu.finish()
-    gc.collect()
-
-
-def _draw(screen: Screen, target: Any, result: Soaked, clock: Callable[[], float]) -> None:
-    start = clock()
-    screen.draw(target)
-    screen.gpu.finish()
-    result.longest = max(result.longest, clock() - start)
-    result.pictures += 1
+def _parts(screen: Screen) -> dict[str, float]:
+    gpu, targets = screen.gpu, screen.view.renderer.targets
+    return {
+        **held(),
+        "textures of pictures, MB": targets.bytes / (1 << 20),
+        "pipelines": float(gpu.programs.count),
+        "Python objects": float(len(gc.get_objects())),
+        "states to undo": float(screen.model.history.steps),
+    }
 
 
 def _gesture(hands: random.Random, size: tuple[float, float]) -> list[dict[str, Any]]:

@@ -67,6 +67,11 @@ class History:
         return True
 
     @property
+    def steps(self) -> int:
+        """How many states are kept besides the present one."""
+        return len(self._past) + len(self._future)
+
+    @property
     def can_undo(self) -> bool:
         return bool(self._past)
 
