@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -69,6 +69,8 @@ class Renderer:
         self._small = TargetPool(self.gpu)
         self.history = History()
         """What frames drawn with ``accumulate`` found."""
+        self.breathe: Callable[[float], None] | None = None
+        """Called between pieces of long passes: see :attr:`Frame.breathe`."""
 
     def accelerator(self, scene: Scene) -> Accelerator:
         """The scene's acceleration structure, rebuilt only if a body was replaced."""
@@ -233,6 +235,7 @@ class Renderer:
             dict(resources),
             dict(constants),
             scale,
+            breathe=self.breathe,
         )
         lighting = lighting_of(settings.lighting, scene.lighting)
         frame.resources["view"] = view_uniform(

@@ -99,22 +99,6 @@ def test_a_moving_picture_is_smaller_and_a_resting_one_is_what_render_makes(view
     assert (pixels(view) == expected.pixels).all()
 
 
-@pytest.mark.parametrize("technique", ["ray", "hybrid", "ssao"])
-def test_a_picture_drawn_in_slices_is_the_whole_one(view, renderer, technique):
-    from scuro.viewer.drawing import Drawing
-
-    settings = Settings(size=(120, 200)).replace(
-        lighting__preset="full", occlusion__technique=technique, occlusion__filter="atrous",
-        occlusion__samples=1, occlusion__resolution="half",
-    )  # fmt: skip
-    scene, camera = view.model.dressed(view.camera), view.camera
-    drawing = Drawing(renderer.sibling(), lambda: 0.0, rate=1.0)
-    *shares, drawn = drawing.draw(scene, camera, settings, slices=True)
-    assert len(shares) >= 2
-    picture = renderer.gpu.read_texture(drawn.resources["picture"])
-    assert (picture == renderer.render(scene, camera, settings).pixels).all()
-
-
 def test_refinement_multiplies_samples_and_ends_with_the_settings_themselves():
     settings = Settings().replace(occlusion__technique="ray", occlusion__samples=100)
     made = list(steps(settings))

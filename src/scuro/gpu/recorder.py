@@ -197,6 +197,10 @@ class Recorder:
         """Fill a buffer with zeros."""
         self._encoder.clear_buffer(buffer)
 
+    def copy_buffer(self, source: Any, target: Any, first: int, size: int) -> None:
+        """Copy ``size`` bytes from the ``first`` on to the start of another buffer."""
+        self._encoder.copy_buffer_to_buffer(source, first, target, 0, size)
+
     def copy_texture(self, source: Any, target: Any, *, layer: int = 0) -> None:
         """Copy one texture into another of the same size and format, or into a layer of it."""
         self._encoder.copy_texture_to_texture(
@@ -232,6 +236,13 @@ class Recorder:
                 "end_of_pass_write_index": index + 1,
             }
         }
+
+    def flush(self) -> None:
+        """Hand what was recorded to the GPU and go on recording; its timings are lost."""
+        with telling("submitting a part of the frame"):
+            self.gpu.device.queue.submit([self._encoder.finish()])
+        self._encoder = self.gpu.device.create_command_encoder()
+        self._labels = []
 
     def submit(self) -> Timings:
         """Hand everything recorded to the GPU; returns the timings, readable once it is done."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.gpu import Gpu, Recorder
+from scuro.passes.pieces import run_in_pieces
 from scuro.scene.camera import Camera
 from scuro.trace import Accelerator
 
@@ -89,6 +90,9 @@ class Frame:
     """Whether edges were smoothed already, by a pass that others follow."""
     history: History | None = None
     """What earlier frames found, if this one goes on from them."""
+    breathe: Callable[[float], None] | None = None
+    """Called between pieces of passes that may take long, with the share of the pass that is done:
+    whoever shows the picture can do something else meanwhile. ``None`` draws without a break."""
     context: Frame | None = None
     """What was drawn in simple light, in textures of its own: see passes/compose/context.py."""
 
@@ -178,15 +182,16 @@ class Frame:
         label: str = "",
     ) -> None:
         """Record a compute pass over the tiles that may show a surface (wgsl/tiles.wgsl)."""
-        self.recorder.compute(
-            shader,
-            entry,
-            (),
-            self.resources | dict(resources or {}),
-            self.constants | dict(constants or {}),
-            label,
-            indirect=self.resources["tile_count"],
-        )
+        bound = self.resources | dict(resources or {})
+        constants = self.constants | dict(constants or {})
+
+        def record(other: dict[str, Any], count: Any) -> None:
+            self.recorder.compute(shader, entry, (), bound | other, constants, label, count)
+
+        if self.breathe is None:
+            record({}, self.resources["tile_count"])
+        else:
+            run_in_pieces(self, record)
 
     def compute_shown(
         self,

@@ -69,11 +69,12 @@ class PathTracer:
         frame.target("color", "rgba16float", clear=(0, 0, 0, 0))
         start = time.perf_counter()
         while self.samples < settings.samples:
+            self._key = None  # until the sample is whole: drawing may be broken off within it
             self._run(frame, "add", self.samples)
+            self._key = key
             self.samples += 1
             # one sample at a time: no adapter must work for seconds on a single submission
-            frame.recorder.submit()
-            frame.recorder = frame.gpu.recorder()
+            frame.recorder.flush()
             frame.gpu.finish()
             if settings.seconds is not None and time.perf_counter() - start >= settings.seconds:
                 break

@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from scuro.gpu import Gpu
+from scuro.passes.frame import Frame
 from scuro.passes.part import Part
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.scene import Scene
+from scuro.viewer.jobs import in_turns
 
 SLICE = 0.1
 """Seconds that one slice of a resting picture should take, margins aside."""
 LEAST_ROWS = 48
-"""Rows of the thinnest slice: each also draws a margin."""
+"""Rows of the thinnest band: each also draws a margin."""
+MOST_AT_ONCE = 1 << 21
+"""Samples that are drawn at once while nothing moves: each takes some hundred bytes of memory,
+which a GPU's allocator does not always give back."""
+_WORTH = 0.25
+"""Share of a slice below which a picture is not worth cutting."""
+_TURN = 0.03
+"""Seconds between two breaths of a long pass."""
 _KEPT = {"picture": "rgba8unorm", "ids": "rgba32uint", "surface": "rgba32float"}
 
 
@@ -58,8 +67,11 @@ class Drawing:
         settings: Settings,
         slices: bool = False,
         accumulate: bool = False,
-    ) -> Iterator[Drawn | float]:
+    ) -> Generator[Drawn | float, None, None]:
         """Draw a picture slice by slice.
+
+        A slow picture is cut into pieces of its passes (passes/pieces.py), and, where it has
+        volumes or reservoirs, whose passes have none, into bands besides.
 
         Args:
             scene: What to draw.
@@ -73,7 +85,7 @@ class Drawing:
             The share that is done, after each slice but the last; then the picture.
         """
         renderer, gpu = self.renderer, self.renderer.gpu
-        count = self._count(settings) if slices else 1
+        count = self._count(scene, settings) if slices else 1
         parts = renderer.parts(settings, bands=count)
         self._turn = 1 - self._turn
         made: dict[str, Any] = {}
@@ -81,7 +93,19 @@ class Drawing:
         for index, part in enumerate(parts):
             start = self.clock()
             go_on = accumulate and len(parts) == 1
-            frame = renderer.frame(scene, camera, settings, part, accumulate=go_on)
+            if slices and self._expected(settings) > _WORTH * SLICE:
+                turns = self._in_turns(scene, camera, settings, part)
+                while True:
+                    try:
+                        share = next(turns)
+                    except StopIteration as end:
+                        frame = end.value
+                        break
+                    seconds += self.clock() - start
+                    yield (index + share) / len(parts)
+                    start = self.clock()
+            else:
+                frame = renderer.frame(scene, camera, settings, part, accumulate=go_on)
             for name, format in self.kept.items():
                 source = frame.resources[name]
                 scale = source.size[0] // part.size[0]
@@ -99,10 +123,50 @@ class Drawing:
         self.rate, self.seconds = seconds / pixels, seconds
         yield Drawn(gpu, camera, settings, made)
 
-    def _count(self, settings: Settings) -> int:
+    def nothing(self) -> Generator[Drawn | float, None, None]:
+        """A drawing that is done before it begins."""
+        yield from ()
+
+    def _in_turns(
+        self, scene: Scene, camera: Camera, settings: Settings, part: Part
+    ) -> Generator[float, None, Frame]:
+        """A frame whose long passes give way between their pieces."""
+
+        def draw(pause: Callable[[float], None]) -> Frame:
+            last = self.clock()
+            passes = 0
+
+            def breathe(share: float) -> None:
+                nonlocal last, passes
+                passes += share >= 1
+                if self.clock() - last >= _TURN:
+                    # how many passes there are is not known: the share approaches the whole
+                    pause(1 - 1 / (1 + passes + share % 1))
+                    last = self.clock()
+
+            self.renderer.breathe = breathe
+            try:
+                return self.renderer.frame(scene, camera, settings, part)
+            finally:
+                self.renderer.breathe = None
+
+        return (yield from in_turns(draw))
+
+    def _expected(self, settings: Settings) -> float:
+        """Seconds that a picture will take, as the last one did."""
         width, height = settings.size
-        wanted = self.rate * width * height / SLICE
-        return max(1, min(round(wanted), height // LEAST_ROWS))
+        return self.rate * width * height
+
+    def _count(self, scene: Scene, settings: Settings) -> int:
+        """Bands that a picture at rest is drawn in."""
+        if settings.renderer == "path":
+            return 1  # the path tracer's sums are those of the whole picture
+        width, height = settings.size
+        samples = width * height * settings.antialias.scale**2
+        count = -(-samples // MOST_AT_ONCE)
+        if scene.volumes or scene.reservoirs:
+            count = max(count, round(self._expected(settings) / SLICE))
+        return max(1, min(count, height // LEAST_ROWS))
 
 
 def _keep(recorder: Any, source: Any, target: Any, part: Part, scale: int) -> None:

@@ -75,7 +75,7 @@ class View:
         self._spun = 0.0
         self._steps: Iterator[Step] = iter(())
         self._step: Step | None = None
-        self._slices: Iterator[Drawn | float] = iter(())
+        self._slices = self.drawing.nothing()
         self._work: Iterator[float] | None = None
         self.built: float | None = None
         """How far something slow is built that the picture needs; ``None`` if nothing is."""
@@ -100,7 +100,8 @@ class View:
         if self._left:
             self._prepare()
         target = plain(self.full_settings) if self._bare else self.full_settings
-        self._steps, self._step = steps(target), None
+        self._break_off()
+        self._steps = steps(target)
         self.share = 0.0
         self.stopped = self._bare
         self.changed()
@@ -121,7 +122,13 @@ class View:
             if self._bare:
                 self.refresh()
                 return
-        self._steps, self._step, self.stopped = iter(()), None, True
+        self._break_off()
+        self.stopped = True
+
+    def _break_off(self) -> None:
+        """Leave the picture that is being drawn; none follows."""
+        self._slices.close()
+        self._steps, self._step = iter(()), None
 
     def move(self, camera: Camera) -> None:
         """See the scene from elsewhere; the picture is rough until this stops."""
@@ -253,11 +260,8 @@ class View:
             if self._step is None:
                 return
             self._before = self.share
-            settings = self._step.settings
-            # the path tracer's sums are those of the whole picture, and its steps are short
-            slices = settings.renderer != "path"
             self._slices = self.drawing.draw(
-                self.model.dressed(self.camera), self.camera, settings, slices
+                self.model.dressed(self.camera), self.camera, self._step.settings, slices=True
             )
         self.model.dressed(self.camera)  # another view may have drawn since
         made = next(self._slices)
