@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 ACROSS = 640
 """Pixels across a survey: places of names need no finer grid."""
-_SHARE, _SMALLEST, _POINTS = 1 / 40, 11.0, 12.0
+_SHARE, SMALLEST_TEXT, _POINTS = 1 / 40, 11.0, 12.0
 """Height of letters: of the picture, in pixels at least, and in 1/96 inch on paper (9 points)."""
 Names = Sequence[tuple[RegionLabel, float, float]]
 """Labels and the pixels that they are centred on."""
@@ -71,8 +71,8 @@ def text_size(settings: Settings) -> float:
     if settings.text is not None:
         return settings.text * settings.px
     if settings.dpi is not None:
-        return max(_SMALLEST, _POINTS * settings.px)
-    return max(_SMALLEST, float(round(settings.size[1] * _SHARE)))
+        return max(SMALLEST_TEXT, _POINTS * settings.px)
+    return max(SMALLEST_TEXT, float(round(settings.size[1] * _SHARE)))
 
 
 def picture_marks(

@@ -31,6 +31,7 @@ from scuro.style.labels import overlapping
 from scuro.style.marks import Mark
 from scuro.style.region_labels import RegionLabel, Survey, region_labels
 from scuro.viewer.drawing import Drawn
+from scuro.viewer.playbar import room
 
 if TYPE_CHECKING:
     from scuro.render_settings import Settings
@@ -40,8 +41,6 @@ ACROSS = 160
 """Pixels across a survey."""
 EVERY = 0.15
 """Seconds between surveys, at least."""
-PLAY_BAR = 0.1
-"""Share of the picture's height at its foot where legends leave room to play."""
 FADE = 0.25
 """Seconds in which a name comes or goes."""
 
@@ -107,7 +106,8 @@ class Names:
             if self._legend[0] != key:
                 try:
                     plays = self.view.model.player.length > 1
-                    free = settings.size[1] * PLAY_BAR if plays else 0.0
+                    logical = [s / self.view.ratio for s in self.view.size]
+                    free = room((logical[0], logical[1])) * self.view.ratio if plays else 0.0
                     self._legend = (key, legends_of(scene, settings, free))
                 except ScuroError:  # the picture cannot be drawn either, and says why
                     self._legend = (key, [])

@@ -110,7 +110,7 @@ def sentence(found: Pick) -> str:
     if hasattr(found.item, "describe"):
         return str(found.item.describe(found.element))
     words = " › ".join(found.body.path or (found.body.name,))
-    element = f" · {found.element + 1}" if found.element >= 0 else ""
+    element = f" · atom {found.element + 1}" if found.element >= 0 else ""
     return f"{words}{copy}{element}"
 
 

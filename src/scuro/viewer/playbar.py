@@ -8,9 +8,24 @@ from scuro.viewer.player import PlaySettings
 from scuro.viewer.view import View
 
 _WIDEST, _NARROWEST = 640.0, 260.0
-_MARGIN = 16.0
+_MARGIN, _HEIGHT = 16.0, 40.0
 _CORNERS = 190.0
 """Pixels that the axis cross and the scale bar take on both sides."""
+_ABOVE_BAR, _ABOVE_CROSS = 48.0, 98.0
+"""Pixels from the picture's lower edge to above them."""
+
+
+def foot(size: Size) -> float:
+    """Pixels below the play bar: in a narrow picture it lies above what the corners hold."""
+    if size[0] >= _NARROWEST + 2 * _CORNERS:
+        return _MARGIN
+    # the scale bar's corner, and where it reaches over there the axis cross', too
+    return _ABOVE_BAR if size[0] >= _NARROWEST + 2 * _ABOVE_CROSS else _ABOVE_CROSS
+
+
+def room(size: Size) -> float:
+    """Pixels at the foot of a picture of this logical size that the play bar takes up."""
+    return foot(size) + _HEIGHT
 
 
 class PlayBar:
@@ -28,7 +43,8 @@ class PlayBar:
         if length < 2:
             return
         width = min(_WIDEST, max(_NARROWEST, size[0] - 2 * _CORNERS))
-        imgui.set_next_window_pos((size[0] / 2, size[1] - _MARGIN), imgui.Cond_.always, (0.5, 1.0))
+        corner = (size[0] / 2, size[1] - foot(size))
+        imgui.set_next_window_pos(corner, imgui.Cond_.always, (0.5, 1.0))
         imgui.set_next_window_size((width, 0))
         imgui.set_next_window_bg_alpha(0.88)
         flags = imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_move
@@ -45,8 +61,8 @@ class PlayBar:
         # over the slider's own text, which cannot be a date
         text = player.caption
         extent = imgui.calc_text_size(text)
-        corner = ((low.x + high.x - extent.x) / 2, (low.y + high.y - extent.y) / 2)
-        imgui.get_window_draw_list().add_text(corner, 0xFFFFFFFF, text)
+        middle = ((low.x + high.x - extent.x) / 2, (low.y + high.y - extent.y) / 2)
+        imgui.get_window_draw_list().add_text(middle, 0xFFFFFFFF, text)
         if moved:
             player.stop()
             smooth = player.settings.smooth and player.kind == "frames"

@@ -106,7 +106,10 @@ class Saving:
                 f"a picture from the panel has at most {most} pixels a side: lower its scale, or "
                 "save the scene file for 'scuro render'"
             )
-        return replace(document, settings=document.settings.replace(size=(width, height)))
+        settings = document.settings.replace(size=(width, height))
+        if self.view.model.settings.text is None and settings.text is not None:
+            settings = settings.replace(text=settings.text * scale)  # of the screen's letters
+        return replace(document, settings=settings)
 
     def _picture(self, document: SceneFile, camera: Camera, chosen: PictureSettings) -> Work:
         from scuro.export.formats import check_format as check_picture

@@ -71,7 +71,7 @@ class Screen:
         self.ratio = 1.0
         self._first = True
         self._touched = True
-        self._asked: tuple[float, float] | None = None
+        self._asked: Any = None
         self._hover = ""
 
     def resize(self, width: float, height: float, ratio: float) -> None:
@@ -84,6 +84,9 @@ class Screen:
         if self._first and min(width, height) > 1:
             # the camera was fitted before the screen had a size
             self._first = False
+            # a phone's picture is not hidden behind the panel before anybody asked for it
+            self.panel.open = width > 2 * PANEL_WIDTH
+            self._lay_out()
             self.view.camera = self.view.initial_camera()
         self._touched = True
 
@@ -97,7 +100,7 @@ class Screen:
         width, height = self.logical
         taken = PANEL_WIDTH if self.panel.open and width > 2 * PANEL_WIDTH else 0.0
         self.controls.logical = (width - taken, height)
-        self.view.resize(physical(self.controls.logical, self.ratio))
+        self.view.resize(physical(self.controls.logical, self.ratio), self.ratio)
 
     def handle(self, event: dict[str, Any]) -> None:
         """Act on one event of rendercanvas."""
@@ -173,8 +176,11 @@ class Screen:
         away = self.gui.over or (pointer is not None and pointer[0] > self.controls.logical[0])
         if self.controls.dragging or self.view.moving or pointer is None or away:
             self._hover, self._asked = "", None
-        elif pointer != self._asked:
-            self._asked = pointer
+            return
+        # what lies there may have changed, too
+        asked = (pointer, self.view.camera, id(self.model.history.present))
+        if asked != self._asked:
+            self._asked = asked
             width, height = self.controls.logical
             self._hover = self.view.describe(pointer[0] / width, pointer[1] / height)
 
@@ -189,9 +195,9 @@ class Screen:
         numbers = [(p.element, instance_number(scene, p)) for p in picks]
         chosen = [(element, n, 0, 0) for element, n in numbers if n is not None]
         uniform = {
-            "size": self.view.size,
+            "size": self.view.full_settings.size,
             "selected": len(chosen),
-            "reach": max(1, round(self.ratio * drawn.size[0] / self.view.size[0])),
+            "reach": max(1, round(self.ratio * drawn.size[1] / self.view.size[1])),
             "color": _OUTLINE,
             "list": chosen or [(0, 0, 0, 0)],
         }

@@ -10,6 +10,7 @@ from typing import Any
 
 from scuro.errors import ScuroError
 from scuro.render import Renderer
+from scuro.render_marks import SMALLEST_TEXT, text_size
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.reservoir import ReservoirItem
@@ -51,6 +52,8 @@ class View:
         self.model = model
         self.renderer = renderer
         self.size = size
+        self.ratio = 1.0
+        """Pixels of the picture to each logical pixel of its screen."""
         self._clock = clock
         software = renderer.gpu.info.software
         self.pacing = Pacing(SOFTWARE_TARGET if software else GPU_TARGET)
@@ -102,7 +105,7 @@ class View:
         target = plain(self.full_settings) if self._bare else self.full_settings
         self._break_off()
         self._steps = steps(target)
-        self.share = 0.0
+        self.share, self.error = 0.0, ""
         self.stopped = self._bare
         self.changed()
 
@@ -151,16 +154,18 @@ class View:
         self._prepare()
         self.stir()
 
-    def resize(self, size: tuple[int, int]) -> None:
-        """The picture has another size in pixels."""
-        if size != self.size:
-            self.size = size
+    def resize(self, size: tuple[int, int], ratio: float = 1.0) -> None:
+        """The picture has another size in pixels, so many to each of the screen's logical ones."""
+        if (size, ratio) != (self.size, self.ratio):
+            self.size, self.ratio = size, ratio
             self.stir()
 
     @property
     def full_settings(self) -> Settings:
         """Of the picture that the view comes to rest at; ``scuro render`` makes the same one."""
-        settings = self.model.settings.replace(size=self.size)
+        settings = self.model.settings.replace(size=_drawn_size(self.model.settings, self.size))
+        if settings.text is None and text_size(settings) < SMALLEST_TEXT * self.ratio:
+            settings = settings.replace(text=SMALLEST_TEXT * self.ratio / settings.px)
         return self.model.focused(settings, self.camera)
 
     @property
@@ -221,8 +226,6 @@ class View:
                 self._draw_resting()
         except ScuroError as error:
             self.drawn, self.error, self.share, self._work = None, str(error), 1.0, None
-        else:
-            self.error = ""
         return self.drawn
 
     @property
@@ -246,7 +249,9 @@ class View:
         settings = coarse(self.full_settings)
         if self.pacing.plain or self._bare or self._work is not None:
             settings = plain(settings)
-        settings = settings.replace(size=moving_size(self.size, self.pacing.scale))
+        settings = settings.replace(
+            size=_drawn_size(settings, moving_size(self.size, self.pacing.scale))
+        )
         scene = self.model.dressed(self.camera)
         for drawn in self.drawing.draw(scene, self.camera, settings, accumulate=True):
             if isinstance(drawn, Drawn):
@@ -390,6 +395,14 @@ class View:
             view=self.view_settings(),
             settings=self.full_settings,
         )
+
+
+def _drawn_size(settings: Settings, size: tuple[int, int]) -> tuple[int, int]:
+    """A picture's size: side by side it is an even number of pixels wide."""
+    width, height = size
+    if settings.stereo.mode == "side-by-side":
+        width = max(2, width - width % 2)
+    return width, height
 
 
 def _is_cells(found: Pick) -> bool:

@@ -91,6 +91,9 @@ class Tools:
         """What is selected."""
         from imgui_bundle import imgui
 
+        scene = self.view.model.scene
+        if scene.volumes and len(scene.volumes) == len(scene.items):
+            return  # clouds have nothing that a click could take
         if not heading("Selection", open=True):
             return
         _, self.names = imgui.checkbox("names in the picture", self.names)

@@ -22,6 +22,13 @@ class View extends window.BaseRenderView {
   }
 
   onEvent (event) {
+    if (event.type === 'resize') {
+      // some browsers that emulate another screen count physical pixels as if they were logical
+      const { width, height } = this.viewElement.getBoundingClientRect()
+      if (Math.abs(width - event.width) > 1 || Math.abs(height - event.height) > 1) {
+        Object.assign(event, { width, height, pwidth: width * event.ratio, pheight: height * event.ratio })
+      }
+    }
     if (socket.readyState === WebSocket.OPEN) { socket.send(JSON.stringify(event)) }
   }
 }

@@ -1,0 +1,112 @@
+"""What a screen of any size shows: sharp or small ones, two pictures side by side, and words."""
+
+import pytest
+
+from scuro.export.scene_file import Input, SceneFile, Show
+from scuro.render_marks import SMALLEST_TEXT, text_size
+from scuro.render_settings import Settings
+from scuro.viewer.model import Model
+from scuro.viewer.playbar import foot, room
+from scuro.viewer.view import REST
+
+pytest.importorskip("imgui_bundle", reason="needs the viewer extra")
+
+
+def screen_of(renderer, size, ratio=1.0, **changes):
+    from scuro.viewer.screen import Screen
+
+    document = SceneFile(
+        input=(Input(path="sample:1hpv"),),
+        show=(Show(style="spacefill"),),
+        settings=Settings().replace(occlusion__technique="none", **changes),
+    )
+    screen = Screen(Model(document), renderer, "rgba8unorm", lambda name, write: name)
+    screen.resize(*size, ratio)
+    return screen
+
+
+def rest(screen):
+    """The screen's pixels when it is complete."""
+    screen.view._moved -= 2 * REST
+    target = screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True)
+    for _ in range(40):
+        screen.draw(target)
+        if screen.view.complete and not screen.view.moving and not screen.gui._fresh:
+            break
+    return screen.gpu.read_texture(target)[..., :3]
+
+
+def move(screen, x, y):
+    screen.handle({"event_type": "pointer_move", "x": x, "y": y, "button": 0, "modifiers": ()})
+
+
+def test_on_a_narrow_screen_the_panel_waits_folded(renderer):
+    for width, open in ((480.0, False), (900.0, True)):
+        screen = screen_of(renderer, (width, 320.0))
+        assert screen.panel.open == open
+        # afterwards it is as a person left it
+        screen.panel.open = not open
+        screen.resize(width, 330.0, 1.0)
+        assert screen.panel.open != open
+        screen.close()
+
+
+def test_letters_on_a_sharp_screen_are_no_smaller_than_on_others(renderer):
+    screen = screen_of(renderer, (400.0, 300.0), 2.0)
+    settings = screen.view.full_settings
+    assert settings.size[1] == 600 and text_size(settings) == 2 * SMALLEST_TEXT
+    # and a picture saved at a scale has them as large as its screen
+    document = screen.panel.saving._sized(3.0, 16384)
+    assert text_size(document.settings) == 6 * SMALLEST_TEXT
+    screen.resize(400.0, 300.0, 1.0)
+    assert screen.view.full_settings.text is None
+    screen.close()
+
+
+def test_two_pictures_side_by_side_fill_a_screen_of_an_odd_width(renderer):
+    screen = screen_of(renderer, (421.0, 240.0), stereo__mode="side-by-side")
+    shown = rest(screen)
+    assert screen.view.error == "" and screen.view.drawn.settings.size == (420, 240)
+    assert shown[:, :420].std() > 10
+    screen.close()
+
+
+def test_why_nothing_can_be_drawn_is_said_until_it_can(renderer):
+    screen = screen_of(renderer, (300.0, 200.0))
+    model = screen.model
+    rest(screen)
+    model.change(settings=model.settings.replace(attention__subtree="chain ("))
+    rest(screen)
+    assert "attention" in screen.view.error
+    rest(screen)
+    assert "attention" in screen.view.error
+    model.undo()
+    rest(screen)
+    assert screen.view.error == ""
+    screen.close()
+
+
+def test_words_under_a_pointer_at_rest_change_with_the_scene(renderer):
+    screen = screen_of(renderer, (300.0, 200.0))
+    rest(screen)
+    move(screen, 150.0, 100.0)
+    rest(screen)
+    before = screen._hover
+    assert "chain" in before
+    asked = []
+    screen.view.describe = lambda x, y: asked.append((x, y)) or "another"
+    screen.model.change(show=(Show(style="cartoon"),))
+    rest(screen)
+    assert screen._hover == "another" and len(asked) >= 1
+    screen.close()
+
+
+@pytest.mark.parametrize("width", [360, 420, 480, 600, 700, 1200])
+def test_the_play_bar_lies_beside_or_above_what_the_corners_hold(width):
+    size = (width, 320)
+    wide = min(640, max(260, width - 380))
+    left, right = (width - wide) / 2, (width + wide) / 2
+    # the axis cross, and the longest scale bar with its number
+    assert left >= 90 or foot(size) >= 90
+    assert right <= width - 140 or foot(size) >= 42
+    assert room(size) > foot(size)
