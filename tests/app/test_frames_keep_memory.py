@@ -47,6 +47,17 @@ def scenes():
 def test_frames_keep_memory(renderer, scenes, style, changes, cut):
     scene = scenes[style]
     settings = Settings().replace(size=(64, 48), **changes)
+    _check(renderer, scene, settings, cut)
+
+
+def test_drawing_all_kinds_of_primitives_keeps_memory(renderer):
+    show = (Show(style="cartoon"), Show(style="licorice"))
+    scene = SceneFile(input=(Input(path="sample:1hpv"),), show=show).scene()
+    settings = Settings(size=(64, 48), visibility="raster").replace(lighting__preset="simple")
+    _check(renderer, scene, settings, False)
+
+
+def _check(renderer, scene, settings, cut):
     middle = tuple(scene.bounds().mean(axis=0))
     scene.clip = Clip(planes=(Plane(normal=(1, 0, 0), point=middle),) if cut else ())
     camera = renderer.fitted(scene, settings)

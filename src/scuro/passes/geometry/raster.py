@@ -21,7 +21,6 @@ def rasterise(frame: Frame) -> None:
         nonlocal clear
         uniform: dict[str, Any] = {
             "first": first,
-            "stride": stride,
             "count": max(count, 1),
             "instance": instance,
             "near": near,
@@ -39,7 +38,7 @@ def rasterise(frame: Frame) -> None:
             # every bit set says that no primitive is there
             clear_value=(0xFFFFFFFF, 0xFFFFFFFF, 0xFFFFFFFF, 0),
             entries=entries,
-            constants=frame.constants,
+            constants=frame.constants | {"STRIDE": stride},
             topology="triangle-list" if stride == 3 else "triangle-strip",
             label="raster",
         )

@@ -4,10 +4,13 @@
 //#include "view.wgsl"
 //#include "visible.wgsl"
 
+// Slots a primitive: spheres, rods or triangles are drawn. A constant: a branch on a uniform would be
+// compiled anew at every draw on lavapipe (docs/decisions.md).
+override STRIDE: u32 = 1;
+
 struct Draw {
-    // first slot of the primitives drawn, slots a primitive, and how many there are
+    // first slot of the primitives drawn, and how many there are
     first: u32,
-    stride: u32,
     count: u32,
     // first instance of the body
     instance: u32,
@@ -32,10 +35,10 @@ struct Output {
 }
 
 fn kind_at(slot: u32) -> u32 {
-    if (draw.stride == 1u) {
+    if (STRIDE == 1u) {
         return SPHERE;
     }
-    if (draw.stride == 3u) {
+    if (STRIDE == 3u) {
         return TRIANGLE;
     }
     let a = slot_at(slot).w;
@@ -64,13 +67,13 @@ fn tile_position(picture: vec2f) -> vec4f {
 
 @vertex
 fn quad(@builtin(vertex_index) corner: u32, @builtin(instance_index) index: u32) -> Fragment {
-    let slot = draw.first + (index % draw.count) * draw.stride;
+    let slot = draw.first + (index % draw.count) * STRIDE;
     let instance = draw.instance + index / draw.count;
     let a = slot_at(slot);
     let va = view_from_local(instance, a.xyz);
     var vb = va;
     var rb = a.w;
-    if (draw.stride == 2u) {
+    if (STRIDE == 2u) {
         let b = slot_at(slot + 1u);
         vb = view_from_local(instance, b.xyz);
         rb = b.w;
@@ -141,7 +144,7 @@ fn solid(in: Fragment) -> Output {
     }
     var hit = NO_HIT;
     var entry = Entry(vec4f(0.0), in.primitive, true);
-    if (draw.stride == 1u) {
+    if (STRIDE == 1u) {
         entry = Entry(slot_at(slot_of(in.primitive)), NO_PRIMITIVE, true);
     }
     consider(local, entry, in.primitive, in.instance, 0.0, kept, &hit);
