@@ -193,20 +193,25 @@ class Renderer:
         elif settings.semantic.mode == "off":
             if settings.semantic.palette:
                 color_by_level(frame, scene.hierarchy())
-            _light(frame)
+            draw_occlusion(frame)
+            draw_shadows(frame)
         else:
             shade_semantic(frame, scene.hierarchy(settings.semantic.parts))
         if frame.history is not None:
             frame.history.end(frame)
         context = self.accelerators.context(scene)
+        lights = settings.renderer != "path" and settings.semantic.mode == "off"
+        shades_last = lights and context is None and not _covered(frame, scene)
+        if lights and not shades_last:
+            shade(frame)
         if context is not None:
             draw_context(frame, context, scene.clip.cutting)
-        if settings.renderer != "path" and settings.semantic.mode == "off":
+        if lights:
             self._layers.draw(frame, _light)
         draw_attention(frame, scene)
         self._volumes.draw(frame, scene)
         self.reservoirs.draw(frame, scene)
-        draw_cues(frame)
+        draw_cues(frame, shading=shades_last)
         draw_focus(frame, scene)
         draw_still(frame)
         filter_down(frame)
@@ -322,6 +327,13 @@ class Renderer:
         """A camera that sees the whole scene; ``options`` are those of :meth:`Camera.fitted`."""
         width, height = eye_size(settings.stereo, settings.size)
         return Camera.fitted(scene.bounds(), aspect=width / height, **options)
+
+
+def _covered(frame: Frame, scene: Scene) -> bool:
+    """Whether anything is laid on what is shaded, before the depth cues."""
+    films = any(body.material.opacity < 1 for body in frame.accelerator.bodies)
+    chosen = bool(frame.settings.attention.subtree)
+    return films or chosen or bool(scene.volumes) or bool(scene.reservoirs)
 
 
 def _light(frame: Frame) -> None:

@@ -46,5 +46,5 @@ def borders_uniform(frame: Frame) -> dict[str, Any]:
         "color": (red, green, blue),
         "opacity": settings.opacity * alpha,
         "width": width,
-        "jump": max(full_jump(frame, settings.jump, width), 1e-6),
+        "per_jump": 1 / max(full_jump(frame, settings.jump, width), 1e-6),
     }

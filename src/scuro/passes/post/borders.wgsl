@@ -7,13 +7,11 @@ struct Borders {
     opacity: f32,
     // widest line, in pixels of this frame
     width: f32,
-    // depth jump of the widest line
-    jump: f32,
+    // one over the depth jump of the widest line
+    per_jump: f32,
 }
 
-@group(2) @binding(0) var surface: texture_2d<f32>;
 @group(2) @binding(10) var<uniform> borders: Borders;
-@group(2) @binding(11) var nearest: sampler; // nearest
 
 // Steeper surfaces than this are taken for an edge.
 const STEEPEST: f32 = 8.0;
@@ -53,7 +51,7 @@ fn jumps(ground: Ground, xs: vec4f, ys: vec4f, away: vec4f, depths: vec4f) -> ve
 // The pixel's share of lines around four others: their distance and jump. A line begins half a pixel
 // from its surface's last.
 fn shares(away: vec4f, jump: vec4f) -> vec4f {
-    let width = borders.width * sqrt(saturate(jump / borders.jump));
+    let width = borders.width * sqrt(saturate(jump * borders.per_jump));
     return select(vec4f(0.0), saturate(width + 1.0 - away), jump > vec4f(0.0));
 }
 

@@ -1,17 +1,23 @@
-// Depth cues and tones, one after another on a pixel in one pass: a software adapter pays more for
-// passing the picture on than for most of them. Each cue is a function in a file of its own.
+// Shading, depth cues and tones, and the encoded picture, one after another on a pixel in one pass:
+// a software adapter pays more for passing the picture on than for most of them. Each is a function
+// in a file of its own.
 
-//#include "view.wgsl"
 //#include "tiles.wgsl"
+//#include "shaded.wgsl"
 //#include "toon.wgsl"
 //#include "fog.wgsl"
 //#include "halos.wgsl"
 //#include "borders.wgsl"
 //#include "brightness.wgsl"
+//#include "encoded.wgsl"
 
 @group(2) @binding(1) var color: texture_2d<f32>;
 @group(2) @binding(2) var replaced: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(9) var picture: texture_storage_2d<rgba8unorm, write>;
+@group(2) @binding(11) var nearest: sampler; // nearest
 
+// Whether `color` is still to be made.
+override SHADING: bool = false;
 override TOON: bool = false;
 override FOG: bool = false;
 override HALOS: bool = false;
@@ -20,6 +26,8 @@ override LINES: bool = false;
 override WIDE_LINES: bool = false;
 // What FXAA compares.
 override BRIGHTNESS: bool = false;
+// The picture, too.
+override PICTURE: bool = false;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
@@ -27,8 +35,13 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     if (any(pixel >= textureDimensions(replaced))) {
         return;
     }
-    var shown = textureLoad(color, pixel, 0);
     let texel = textureLoad(surface, pixel, 0);
+    var shown: vec4f;
+    if (SHADING) {
+        shown = shaded(pixel, texel);
+    } else {
+        shown = textureLoad(color, pixel, 0);
+    }
     if (TOON) {
         shown = toon_color(shown, pixel);
     }
@@ -48,4 +61,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         store_brightness(pixel, shown);
     }
     textureStore(replaced, pixel, shown);
+    if (PICTURE) {
+        textureStore(picture, pixel, encoded(shown));
+    }
 }

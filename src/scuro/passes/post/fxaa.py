@@ -29,7 +29,7 @@ def brightness_of(frame: Frame, wanted: bool = True) -> dict[str, Any]:
         target = frame.target("brightness", "r32float", clear=(empty, 0, 0, 0))
     else:
         target = frame.targets.get("no brightness", (1, 1), "r32float")
-    return {"seen": {"background": background}, "brightness": target}
+    return {"encode": {"background": background}, "brightness": target}
 
 
 def draw_fxaa(frame: Frame) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from scuro.passes.frame import Frame
@@ -29,17 +30,29 @@ MOST_REDUCTION = 16
 
 def halos_reach(settings: HaloSettings, px: float) -> float:
     """Distance in pixels from which one is influenced; ``px`` of them are 1 px."""
-    return settings.width * px + MOST_REDUCTION if settings.width else 0.0
+    if not settings.width:
+        return 0.0
+    reduction = _reduction(settings.width * px)
+    # four reduced pixels are around a pixel, and averages of squares around them
+    return (math.ceil(settings.width * px / reduction) + 1.5) * reduction
+
+
+def _reduction(width: float) -> int:
+    """Pixels a side of the squares that are averaged first, for halos so many pixels wide.
+
+    A blur needs few samples across its width. A power of two, so that parts agree on the squares.
+    """
+    reduction = 1
+    while reduction < MOST_REDUCTION and reduction * 4 <= width:
+        reduction *= 2
+    return reduction
 
 
 def halos_uniform(frame: Frame) -> dict[str, Any]:
     """Field values of ``Halos`` (halo_types.wgsl)."""
     settings = frame.settings.halos
     width = settings.width * frame.px
-    # a blur needs few samples across its width: power of two, so that parts agree on the squares
-    reduction = 1
-    while reduction < MOST_REDUCTION and reduction * 4 <= width:
-        reduction *= 2
+    reduction = _reduction(width)
     red, green, blue, alpha = linear_rgba(settings.color)
     return {
         "color": (red, green, blue),
@@ -56,11 +69,12 @@ def blur_depth(frame: Frame, halos: dict[str, Any]) -> Any:
     source = frame.target("halo_depth", "rgba16float", size=small)
     resources = {"halos": halos, "result": source, "nearest": frame.gpu.nearest_sampler}
     frame.compute("passes/post/halo_reduce.wgsl", resources, threads=small, label="halos")
-    for entry in ("across", "down"):
+    quarters = ((-(-small[0] // 4), small[1]), (small[0], -(-small[1] // 4)))
+    for entry, threads in zip(("across", "down"), quarters, strict=True):
         result = frame.target(f"halo_{entry}", "rgba16float", size=small)
         resources = {"halos": halos, "source": source, "result": result}
         frame.compute(
-            "passes/post/halo_blur.wgsl", resources, entry=entry, threads=small, label="halos"
+            "passes/post/halo_blur.wgsl", resources, entry=entry, threads=threads, label="halos"
         )
         source = result
     return source

@@ -5,14 +5,22 @@
 //#include "halo_types.wgsl"
 
 // blurred depth x coverage, blurred coverage; reduced
-@group(2) @binding(8) var blurred: texture_2d<f32>; // filterable
-@group(2) @binding(9) var smooth_edges: sampler;
+@group(2) @binding(8) var blurred: texture_2d<f32>;
 
 fn halo_strength(pixel: vec2u, depth: f32) -> f32 {
-    let place = (vec2f(pixel) + 0.5) / f32(halos.reduction);
-    let size = vec2f(textureDimensions(blurred));
-    let around = textureSampleLevel(blurred, smooth_edges, place / size, 0.0).xy;
+    // Between four reduced pixels by hand: the last bits of a sampler's weights depend on where the
+    // part begins that is drawn, these do not, for reductions are powers of two. FXAA, which decides
+    // by thresholds, would make visible differences of them.
+    let place = (vec2f(pixel) + 0.5) / f32(halos.reduction) + 0.5;
+    let corner = floor(place);
+    let after = place - corner;
+    let before = 1.0 - after;
+    let at = corner / vec2f(textureDimensions(blurred));
+    let depths = textureGather(0, blurred, nearest, at);
+    let covered = textureGather(1, blurred, nearest, at);
+    let shares = vec4f(before.x, after.x, after.x, before.x)
+        * vec4f(after.y, after.y, before.y, before.y);
     // a straight edge covers half of the surroundings of the pixels along it
-    let behind = select(around.y, scaled(depth) * around.y - around.x, depth > 0.0);
-    return halos.opacity * saturate(2.0 * behind);
+    let behind = select(covered, scaled(depth) * covered - depths, depth > 0.0);
+    return halos.opacity * saturate(2.0 * dot(behind, shares));
 }

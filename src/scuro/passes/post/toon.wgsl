@@ -8,7 +8,6 @@ struct Toon {
 }
 
 @group(2) @binding(3) var<uniform> toon: Toon;
-@group(2) @binding(4) var albedo: texture_2d<f32>;
 
 // Share of a step over which a tone passes into the next: a hard limit would alias.
 const SOFTNESS: f32 = 0.12;
