@@ -130,4 +130,4 @@ def test_tiles_leave_nothing_out(renderer, scene):
     # and with brightness stored by the cues, or by a pass of its own from light kept in halves
     tiled = drawn(renderer, scene, **CUES, **changes).pixels.astype(int)
     whole = drawn(renderer, scene, depth_of_field__blur=1e-4, **CUES, **changes).pixels.astype(int)
-    assert (np.abs(tiled - whole).max(axis=-1) > 1).mean() < 5e-3
+    assert np.abs(tiled - whole).max() <= 1

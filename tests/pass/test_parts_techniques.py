@@ -21,10 +21,18 @@ WAYS = {
         "borders__width": 3.0, "halos__width": 14.0, "toon__steps": 3, "fog__strength": 0.6,
         "dpi": 144,
     },
-    # with halos, too, a rounding of theirs may tip FXAA's thresholds at single pixels
     "lines, smoothed": {
         "borders__width": 3.0, "toon__steps": 3, "fog__strength": 0.6,
         "antialias__method": "fxaa", "dpi": 144,
+    },
+    # FXAA decides by thresholds: it shows where halos differ in their last bits
+    "halos, smoothed": {"halos__width": 21.0, "antialias__method": "fxaa"},
+    "narrow halos, smoothed": {"halos__width": 5.0, "antialias__method": "fxaa"},
+    "wide halos and fog, smoothed": {
+        "halos__width": 18.0, "fog__strength": 0.5, "antialias__method": "fxaa", "dpi": 144,
+    },
+    "lines and halos, smoothed": {
+        "borders__width": 1.6, "halos__width": 14.0, "antialias__method": "fxaa",
     },
     "depth of field": {"depth_of_field__blur": 5.0, "borders__width": 1.5},
 }  # fmt: skip
