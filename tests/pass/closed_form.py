@@ -199,7 +199,10 @@ class Cylinder:
         h = self._along(p)[:, None]
         side = (p - self.a - h * self.axis) / self.ra
         end = np.where(h > self.length / 2, self.axis, -self.axis)
-        return np.where(np.linalg.norm(side, axis=1, keepdims=True) < 0.999, end, side)
+        # on which of the two surfaces the point lies better: a rim's width must not be guessed
+        off_side = self.ra * np.abs(np.linalg.norm(side, axis=1, keepdims=True) - 1)
+        off_end = np.minimum(np.abs(h), np.abs(h - self.length))
+        return np.where(off_end < off_side, end, side)
 
     def element(self, p):
         return self.ids[(self._along(p) > self.length / 2).astype(int)]

@@ -75,8 +75,10 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
             which = slot + select(0u, 1u, h > 0.5);
             if (kind == ROD) {
                 normal = (point - a.xyz - h * axis) / a.w;
-                if (dot(normal, normal) < 0.998) {
-                    normal = select(-axis, axis, h > 0.5); // a flat end
+                // a flat end, if the point lies better on it than on the side
+                let off_side = a.w * abs(length(normal) - 1.0);
+                if (min(abs(h), abs(h - 1.0)) * length(axis) < off_side) {
+                    normal = select(-axis, axis, h > 0.5);
                 }
             } else {
                 normal = cone_normal(point, a.xyz, b.xyz, a.w, b.w);
