@@ -48,7 +48,8 @@ class Show(SettingsGroup):
     """One representation of some atoms."""
 
     style: str = setting(
-        "auto", "spacefill, ball+stick, licorice, backbone, cartoon, or auto: by content and size"
+        "auto",
+        "spacefill, ball+stick, licorice, backbone, cartoon, surface, or auto: by content and size",
     )
     color: str = setting("auto", "color scheme, color name or #rrggbb")
     select: str = setting(

@@ -69,7 +69,8 @@ class Scene:
         """Show atoms in a style; the first call replaces the default picture, later ones add.
 
         Args:
-            style: ``spacefill``, ``ball+stick``, ``licorice``, ``backbone``, ``cartoon``, ``auto``.
+            style: ``spacefill``, ``ball+stick``, ``licorice``, ``backbone``, ``cartoon``,
+                ``surface``, ``auto``.
             select: Which atoms, in PyMOL's words; by default all but the water about it.
             color: Colour scheme, colour name or hex.
             material: How the surface answers light.

@@ -37,6 +37,13 @@ class Representation(SettingsGroup):
     nucleic_radius: float = setting(
         0.7, "radius of the tube through a nucleic acid's phosphates", low=0.05, high=5.0, unit="Å"
     )
+    surface_probe: float = setting(
+        1.4, "radius of the solvent whose ball rolls over the surface", low=0.0, high=20, unit="Å"
+    )
+    surface_spacing: float | None = setting(
+        None, "spacing of the surface's grid (default: wider for large molecules)", low=0.05,
+        high=20, unit="Å",
+    )  # fmt: skip
     segments: int | None = setting(
         None, "cartoon pieces per residue (default: fewer for large molecules)", low=2, high=32
     )

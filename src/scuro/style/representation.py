@@ -16,6 +16,7 @@ from scuro.style.cartoon import cartoon
 from scuro.style.color_by import polymer_atoms
 from scuro.style.options import Representation
 from scuro.style.sticks import ball_and_stick, licorice, spacefill
+from scuro.style.surface import surface
 
 SMALL_MOLECULE = 500
 """Atoms, water apart, up to which a molecule without polymers is shown as ball-and-stick."""
@@ -28,13 +29,14 @@ STYLES: dict[str, Builder] = {
     "licorice": licorice,
     "backbone": backbone,
     "cartoon": cartoon,
+    "surface": surface,
 }
 ALIASES = {
     "space-filling": "spacefill", "spacefilling": "spacefill", "vdw": "spacefill",
     "spheres": "spacefill", "sphere": "spacefill", "cpk": "spacefill",
     "ball-and-stick": "ball+stick", "ball&stick": "ball+stick", "ballandstick": "ball+stick",
     "sticks": "licorice", "stick": "licorice", "trace": "backbone", "ribbon": "cartoon",
-    "ribbons": "cartoon",
+    "ribbons": "cartoon", "ses": "surface", "molecular-surface": "surface", "msms": "surface",
 }  # fmt: skip
 """Names that other programs give the same styles."""
 
