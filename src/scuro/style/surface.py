@@ -5,8 +5,8 @@ ball's centre stays outside the atoms grown by its radius p; the surface lies wh
 that outside is p. Distances are found on a grid (as EDTSurf does: Xu & Zhang, PLoS ONE 4 (2009)
 e8140), but to the grown atoms themselves, not to voxels: a point outside them, s away from them,
 is the centre of an empty ball, so that |x - o| - s bounds the distance from x. Where one atom is
-nearest the surface is exact; in the saddle between two it is off by up to 0.4 of the spacing, and in
-the corner of three by up to one, outwards: few points of the grid are empty there.
+nearest the surface is exact; in the saddle between two it is off by up to 0.4 of the spacing, and
+in the corner of three by up to one, outwards: few points of the grid are empty there.
 """
 
 from __future__ import annotations
