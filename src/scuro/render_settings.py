@@ -24,6 +24,7 @@ from scuro.passes.shadow.shadow import ShadowSettings
 from scuro.passes.volume.settings import VolumeSettings
 from scuro.reference.path import PathSettings
 from scuro.settings import SettingsGroup, setting
+from scuro.style.paint import check_color
 from scuro.style.reservoir_options import ReservoirSettings
 
 SCREEN_DPI = 96.0
@@ -50,7 +51,9 @@ class Settings(SettingsGroup):
         high=1000,
         unit="px",
     )
-    background: str = setting("white", "colour behind the scene, or 'transparent'")
+    background: str = setting(
+        "white", "colour behind the scene, or 'transparent'", check=check_color
+    )
     visibility: str = setting(
         "auto",
         "how pixels find their atom: rasterised impostors or rays",

@@ -284,15 +284,6 @@ def test_key_frames_are_passed_at_their_seconds(tmp_path):
     assert end.fov < start.fov
 
 
-def test_a_key_frames_fault_is_named_with_its_line(tmp_path, capsys):
-    keys = tmp_path / "keys.toml"
-    keys.write_text("[[key]]\nat = 0\n[[key]]\nat = 1\nzom = 2\n")
-    arguments = ["movie", "sample:1hpv", "--keys", str(keys), "-o", str(tmp_path / "a.gif")]
-    assert run(arguments) == 1
-    said = capsys.readouterr().err
-    assert "keys.toml, line 3" in said and "'zoom'" in said
-
-
 def test_halfway_between_cameras_and_settings():
     a, b = Camera((0, 0, 10)), Camera((10, 0, 0))
     assert between(a, b, 0.5).distance == pytest.approx(10)

@@ -11,7 +11,7 @@ import click
 from scuro.app.cli import INTERRUPTED
 from scuro.app.document import take_document, with_document
 from scuro.app.options import SettingsCommand, take_changes, with_settings
-from scuro.app.output import print_json, progress, stage, tell_notes
+from scuro.app.output import print_json, progress, stage, tell_notes, tell_of_nothing
 from scuro.export.motion import MovieSettings
 
 
@@ -35,6 +35,7 @@ def command(output: str, device: str | None, as_json: bool, **values: Any) -> No
     """
     from scuro.export.motion import Motion
     from scuro.export.movie import Film, check_format, stamps
+    from scuro.scene.view import clip_keeps
 
     start = time.perf_counter()
     movie = MovieSettings().replace(**take_changes(MovieSettings, values))
@@ -43,6 +44,9 @@ def command(output: str, device: str | None, as_json: bool, **values: Any) -> No
     with stage(f"reading {', '.join(Path(line.path).name for line in document.input)}"):
         motion = Motion(document, movie)
     tell_notes(motion.scene)
+    some = (motion.at(number).scene for number in (0, motion.length // 2, motion.length - 1))
+    if not any(map(clip_keeps, some)):
+        tell_of_nothing(motion.scene)
     files = [line.path for line in document.input]
     files += [p for p in (document.load.trajectory, movie.keys) if p]
     about = {"document": document.as_dict(), "movie": movie.as_dict(), "files": stamps(files)}

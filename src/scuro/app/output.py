@@ -74,6 +74,18 @@ def tell_notes(scene: Scene) -> None:
             )
 
 
+def tell_of_nothing(scene: Scene) -> None:
+    """Say so on standard error where clipping leaves nothing to see."""
+    from scuro.scene.view import clip_keeps
+
+    if clip_keeps(scene):
+        return
+    said = "clipping removes everything: this is the background"
+    if any(body.context for body in scene.bodies()):
+        said = "nothing lies inside the cube: --cube-center moves it, in the file's coordinates"
+    click.echo(f"scuro: {said}", err=True)
+
+
 def scene_counts(scene: Scene) -> dict[str, int]:
     """What a scene holds: atoms with all their copies, and more of other kinds of data."""
     models = [item.model for item in scene.items if hasattr(item, "model")]

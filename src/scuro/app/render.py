@@ -12,7 +12,14 @@ import click
 from scuro.app.cli import STARTED
 from scuro.app.document import take_document, with_document
 from scuro.app.options import SettingsCommand
-from scuro.app.output import print_json, progress, scene_counts, stage, tell_notes
+from scuro.app.output import (
+    print_json,
+    progress,
+    scene_counts,
+    stage,
+    tell_notes,
+    tell_of_nothing,
+)
 from scuro.errors import SettingsError
 from scuro.measure.memory import peak_memory_mb
 
@@ -23,8 +30,6 @@ if TYPE_CHECKING:
     from scuro.render import Renderer
     from scuro.scene.camera import Camera
     from scuro.scene.scene import Scene
-
-_NOTHING = "scuro: clipping removes everything: this is the background"
 
 
 @with_document
@@ -84,9 +89,10 @@ def command(
         clock("load")
     renderer, camera = _prepare(document, scene, device, clock)
     tell_notes(scene)
+    tell_of_nothing(scene)
     note = document.as_dict(Path(output).parent)
     parts = len(renderer.parts(document.settings))
-    if parts > 1 and (buffers or inspect):
+    if parts > 1 and (buffers or inspect is not None):
         raise SettingsError("a picture drawn in parts has no buffers: lower --size or --antialias")
     if parts > 1:
         _print(output, renderer, scene, camera, document, parts, bits=int(bits), note=note)
@@ -94,10 +100,9 @@ def command(
     else:
         with stage("drawing"):
             image = renderer.render(scene, camera, document.settings)
-            _warn_of_nothing(scene, image)
             clock("first_frame")
         with stage(f"writing {output}"):
-            if inspect:
+            if inspect is not None:
                 _save_inspected(image, inspect, output, document.settings.dpi)
             else:
                 image.save(output, bits=int(bits), settings=note)
@@ -168,14 +173,9 @@ def _print(
     **options: Any,
 ) -> None:
     """Draw a picture in parts, straight into its file."""
-    from scuro.export.buffers import read_buffer
     from scuro.export.parts import save_in_parts
 
-    seen = not scene.clip.planes or bool(scene.volumes)
-
     def done(frame: Frame) -> None:
-        nonlocal seen
-        seen = seen or bool((read_buffer(frame, "object") >= 0).any())
         shown.advance(task)
 
     with progress() as shown:
@@ -189,8 +189,6 @@ def _print(
             on_part=done,
             **options,
         )
-    if not seen:
-        click.echo(_NOTHING, err=True)
 
 
 def _save_inspected(image: Image, name: str, output: str, dpi: float | None) -> None:
@@ -199,12 +197,6 @@ def _save_inspected(image: Image, name: str, output: str, dpi: float | None) -> 
     from scuro.image import Image
 
     Image(buffer_picture(name, image.buffer(name))).save(output, dpi=dpi)
-
-
-def _warn_of_nothing(scene: Scene, image: Image) -> None:
-    """Say so where clipping leaves nothing to see."""
-    if scene.clip.planes and not scene.volumes and (image.buffer("object") < 0).all():
-        click.echo(_NOTHING, err=True)
 
 
 def _steady(

@@ -10,6 +10,7 @@ import numpy as np
 
 from scuro.errors import LoadError, SettingsError
 from scuro.export import toml
+from scuro.export.reading import Fault, group_from
 from scuro.scene.camera import Camera
 from scuro.scene.view import ViewSettings
 from scuro.settings import unknown
@@ -65,8 +66,11 @@ class KeyFrames:
             if any(at == earlier for earlier, _, _ in found):
                 raise LoadError(path, f"two [[key]] tables are at second {at:g}", line)
             try:
-                given = {k: tuple(v) if isinstance(v, list) else v for k, v in given.items()}
-                found.append((float(at), ease, camera(view.replace(**given))))
+                said = group_from(ViewSettings, given, ("key", index))
+                changed = view.replace(**{name: getattr(said, name) for name in given})
+                found.append((float(at), ease, camera(changed)))
+            except Fault as fault:
+                raise LoadError(path, fault.why, lines.find(fault.key)) from None
             except SettingsError as error:
                 raise LoadError(path, str(error), line) from None
         if not found:

@@ -26,6 +26,8 @@ from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings, focus_points, hull, scene_points, view_camera
 from scuro.settings import SettingsGroup, setting
 
+_LONGEST = 100_000
+"""Frames of a film."""
 _STEADY = 16
 """Rays of occlusion a pixel in films; see docs/decisions.md."""
 _FITTED = 12
@@ -47,7 +49,7 @@ class MovieSettings(SettingsGroup):
         "number of frames (default: 120, 300 zooming; with --play one a frame of the trajectory, "
         "or ten from model to model)",
         low=1,
-        high=100_000,
+        high=_LONGEST,
     )
     fps: float = setting(30.0, "frames a second", low=1, high=120)
     swing: float = setting(20.0, "how far rocking goes to each side", low=0, high=180, unit="deg")
@@ -155,7 +157,13 @@ class Motion:
         if self.movie.length is not None:
             return self.movie.length
         if self._keys:
-            return round(self._keys.seconds * self.movie.fps) + 1
+            found = round(self._keys.seconds * self.movie.fps) + 1
+            if found > _LONGEST:
+                raise SettingsError(
+                    f"{self.movie.keys}: its last key comes after {found:,} frames; a film has "
+                    f"{_LONGEST:,} at most"
+                )
+            return found
         if self._trajectory is not None:
             count = len(self._trajectory)
             return count if self._trajectory.timed else (count - 1) * _A_MODEL + 1

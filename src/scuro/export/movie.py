@@ -63,6 +63,8 @@ class Film:
         known = None
         with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
             known = json.loads(plan.read_text("utf-8"))["film"]
+        if self.folder.exists() and not self.folder.is_dir():
+            raise SaveError(self.folder, "is a file: give a folder for numbered frames")
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -98,7 +100,10 @@ class Film:
                 other = other or Renderer(gpu=renderer.gpu)
                 image = other.render(over.scene, moment.camera, over.settings, shown)
                 pixels = mixed(pixels, image.pixels, over.share)
-            self.keep(number, pixels)
+            try:
+                self.keep(number, pixels)
+            except SaveError as error:
+                raise self._kept(error) from None
             yield number
 
     def keep(self, number: int, pixels: NDArray[np.uint8]) -> None:
@@ -123,12 +128,15 @@ class Film:
                 else:
                     self._video(file, suffix)
         except SaveError as error:
-            raise SaveError(
-                self.path,
-                f"{error.why}; the finished frames are kept in {self.folder}: make room, then run "
-                "the same command again",
-            ) from None
+            raise self._kept(error) from None
         shutil.rmtree(self.folder, ignore_errors=True)
+
+    def _kept(self, error: SaveError) -> SaveError:
+        return SaveError(
+            self.path,
+            f"{error.why}; the finished frames are kept in {self.folder}: make room, then run the "
+            "same command again",
+        )
 
     def _video(self, file: BinaryIO, suffix: str) -> None:
         made = self.folder / f"film{suffix}"
@@ -156,6 +164,8 @@ class Film:
 def check_format(path: str | PathLike[str]) -> None:
     """Raise if a film cannot be written in the format that a name asks for."""
     suffix = Path(path).suffix.lower()
+    if not Path(path).name:
+        raise SettingsError(f"'{path}' is no name for a film: give a file, or a folder for frames")
     if suffix and suffix not in FORMATS:
         raise SettingsError(
             unknown("film format", suffix, FORMATS) + ", or a folder for numbered frames"

@@ -272,7 +272,7 @@ def write_scene_file(
 
 def _document(values: Mapping[str, Any], folder: Path) -> SceneFile:
     version = values.get(_VERSION_KEY)
-    if not isinstance(version, int):
+    if not isinstance(version, int) or isinstance(version, bool) or version < 1:
         raise Fault((), f"is no scene file: it lacks the line '{_VERSION_KEY} = {VERSION}'")
     if version > VERSION:
         raise Fault(

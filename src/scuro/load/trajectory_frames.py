@@ -152,31 +152,41 @@ def _open(reader: str, path: Path | None) -> Any:
 def _captured() -> Iterator[list[str]]:
     """Lines that compiled code prints meanwhile, instead of showing them.
 
-    The DCD reader prints its warnings straight to the process's output, where they would mix with
-    what a command prints.
+    The readers print warnings straight to the process's output, where they would mix with what a
+    command prints.
     """
     lines: list[str] = []
-    libc = ctypes.CDLL(None) if os.name == "posix" else None
-    with tempfile.TemporaryFile() as kept:
-        sys.stdout.flush()
-        if libc is not None:
-            libc.fflush(None)
-        try:
-            before = os.dup(1)
-        except OSError:  # no output at all: nothing can be printed
-            yield lines
-            return
-        os.dup2(kept.fileno(), 1)
+    with tempfile.TemporaryFile() as kept, contextlib.ExitStack() as restored:
+        for stream in (1, 2):
+            restored.enter_context(_redirected(stream, kept.fileno()))
         try:
             yield lines
         finally:
-            if libc is not None:
-                libc.fflush(None)
-            os.dup2(before, 1)
-            os.close(before)
+            restored.close()
             kept.seek(0)
             text = kept.read().decode("utf-8", "replace")
             lines += [_plain(line) for line in text.splitlines() if line.strip()]
+
+
+@contextlib.contextmanager
+def _redirected(stream: int, to: int) -> Iterator[None]:
+    """Send what is written to a file descriptor to another one, C's buffers included."""
+    flush = ctypes.CDLL(None).fflush if os.name == "posix" else lambda _: None
+    for python in (sys.stdout, sys.stderr):
+        python.flush()
+    flush(None)
+    try:
+        before = os.dup(stream)
+    except OSError:  # closed: nothing can be printed there
+        yield
+        return
+    os.dup2(to, stream)
+    try:
+        yield
+    finally:
+        flush(None)
+        os.dup2(before, stream)
+        os.close(before)
 
 
 def _plain(line: str) -> str:

@@ -13,6 +13,18 @@ from scuro.scene.geometry import Body, Geometry, rotation_matrices
 from scuro.settings import SettingsGroup, setting
 
 MAX_PLANES = 32
+_FARTHEST = 1e12
+"""Å from the origin, beyond which a plane is refused: the GPU's numbers would overflow."""
+
+
+def _unit(normal: tuple[float, float, float]) -> NDArray[np.float64]:
+    """(3,) direction of a normal of any length."""
+    n = np.asarray(normal, np.float64)
+    largest = np.abs(n).max()
+    if not largest > 0:
+        raise SettingsError("a clipping plane needs a normal that is not zero")
+    n = n / largest  # squares of very long and very short ones leave the range of numbers
+    return np.asarray(n / np.linalg.norm(n))
 
 
 @dataclass(frozen=True)
@@ -25,13 +37,13 @@ class Plane:
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, (*self.point, *self.normal))):
             raise SettingsError("a clipping plane has numbers that are not finite")
-        if not any(self.normal):
-            raise SettingsError("a clipping plane needs a normal that is not zero")
+        if max(map(abs, self.point)) > _FARTHEST:
+            raise SettingsError(f"a clipping plane lies farther than {_FARTHEST:g} Å from all")
+        _unit(self.normal)
 
     def equation(self) -> NDArray[np.float64]:
         """(4,) unit normal and offset: n · x + offset >= 0 is kept."""
-        n = np.asarray(self.normal, np.float64)
-        n /= np.linalg.norm(n)
+        n = _unit(self.normal)
         return np.append(n, -n @ np.asarray(self.point, np.float64))
 
 
@@ -75,14 +87,12 @@ class Cut(SettingsGroup):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not any(self.normal):
-            raise SettingsError("a clipping plane needs a normal that is not zero")
+        _unit(self.normal)
 
     def plane(self, middle: NDArray) -> Plane:
         """The plane in a scene with this middle."""
-        normal = np.asarray(self.normal, np.float64)
         base = np.asarray(middle if self.point is None else self.point, np.float64)
-        point = base + self.offset * normal / np.linalg.norm(normal)
+        point = base + self.offset * _unit(self.normal)
         return Plane(tuple(point.tolist()), self.normal)
 
 
@@ -92,7 +102,7 @@ class ClippingSettings(SettingsGroup):
     spare: str = setting("", "selection that is not cut, in PyMOL's words")
     whole_atoms: bool = setting(False, "drop atoms as a whole, by their centres, and cut none")
     cube: tuple[float, float, float] | None = setting(
-        None, "show only what is inside a box of this width, height and depth", low=0, unit="Å"
+        None, "show only what is inside a box of this width, height and depth", low=0.01, unit="Å"
     )
     cube_center: tuple[float, float, float] | None = setting(
         None, "the box's middle in the file's coordinates (default: the scene's)"

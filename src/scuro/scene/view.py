@@ -43,8 +43,15 @@ _RESERVOIR_SIDES = _PATIENT_SIDES | {
 _PRINCIPAL = "principal"
 _EXACT_POINTS = 2_000_000
 """Beyond so many primitives the picture is fitted to the instances' bounding spheres."""
+_TRIANGLE = 1.0
+"""Å: size of the triangles of cartoons."""
 _FOCUS_PADDING = 3.0
 """Å around the atoms that are in focus, so that their neighbours show."""
+
+
+def _check_up(up: tuple[float, float, float]) -> None:
+    if not any(up):
+        raise SettingsError("up needs a direction that is not zero")
 
 
 class ViewSettings(SettingsGroup):
@@ -68,7 +75,9 @@ class ViewSettings(SettingsGroup):
     target: tuple[float, float, float] | None = setting(
         None, "the point looked at (default: the middle of what is seen)"
     )
-    up: tuple[float, float, float] | None = setting(None, "upward direction of the picture")
+    up: tuple[float, float, float] | None = setting(
+        None, "upward direction of the picture", check=_check_up
+    )
 
 
 def view_camera(
@@ -210,6 +219,25 @@ def scene_points(scene: Scene) -> NDArray[np.float64]:
     boxes = [item.bounds for item in others if hasattr(item, "bounds")]
     found += [_corners(np.asarray(box)) for box in boxes]
     return np.concatenate(found) if found else np.zeros((0, 4))
+
+
+def clip_keeps(scene: Scene) -> bool:
+    """Whether clipping leaves anything of a scene but its context."""
+    if not scene.clip.planes or scene.volumes or scene.reservoirs:
+        return True
+    equations = scene.clip.cutting.equations()
+    bodies = [body for body in scene.bodies() if not body.context]
+    exact = sum(len(b.geometry) * b.instances for b in bodies) <= _EXACT_POINTS
+    for body in bodies:
+        points = body_points(body, exact)
+        if body.clipped:
+            # triangles reach farther than their corners
+            reach = points[:, 3:] + (_TRIANGLE if len(body.geometry.triangles) else 0)
+            inside = points[:, :3] @ equations[:, :3].T + equations[:, 3] >= -reach
+            points = points[inside.all(axis=1)]
+        if len(points):
+            return True
+    return False
 
 
 def hull(points: NDArray) -> NDArray[np.float64]:

@@ -23,6 +23,12 @@ def srgb(color: str) -> tuple[float, float, float, float]:
     return tuple(found)  # type: ignore[return-value]
 
 
+def check_color(color: str) -> None:
+    """Raise :class:`SettingsError` if a setting names no colour; ``background`` is one."""
+    if color not in ("white", "black", "background"):  # known without the list of names
+        srgb(color)
+
+
 def linear_rgba(color: str) -> tuple[float, float, float, float]:
     """Linear RGB and opacity, 0 to 1, of a colour by name."""
     r, g, b, a = srgb(color)

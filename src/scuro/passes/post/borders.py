@@ -7,7 +7,7 @@ from typing import Any
 from scuro.passes.frame import Frame
 from scuro.passes.post.depth import full_jump
 from scuro.settings import SettingsGroup, setting
-from scuro.style.paint import linear_rgba
+from scuro.style.paint import check_color, linear_rgba
 
 
 class BorderSettings(SettingsGroup):
@@ -21,7 +21,7 @@ class BorderSettings(SettingsGroup):
         unit="px",
         main=True,
     )
-    color: str = setting("black", "colour of the lines")
+    color: str = setting("black", "colour of the lines", check=check_color)
     opacity: float = setting(1.0, "1 covers what is behind the lines", low=0, high=1)
     jump: float | None = setting(
         None, "depth jump at which lines reach their full width (default: two atoms)", low=0

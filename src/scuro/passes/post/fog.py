@@ -7,7 +7,7 @@ from typing import Any
 from scuro.passes.frame import Frame
 from scuro.passes.post.depth import depth_range
 from scuro.settings import SettingsGroup, setting
-from scuro.style.paint import premultiplied
+from scuro.style.paint import check_color, premultiplied
 
 
 class FogSettings(SettingsGroup):
@@ -16,7 +16,9 @@ class FogSettings(SettingsGroup):
     strength: float = setting(
         0.0, "how much of its own colour the scene's back loses", low=0, high=1, main=True
     )
-    color: str = setting("background", "what to fade to: a colour, or the background")
+    color: str = setting(
+        "background", "what to fade to: a colour, or the background", check=check_color
+    )
     start: float = setting(
         0.1, "where it begins: 0 is the scene's front, 1 its back", low=-1, high=2
     )

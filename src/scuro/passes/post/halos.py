@@ -8,7 +8,7 @@ from typing import Any
 from scuro.passes.frame import Frame
 from scuro.passes.post.depth import full_jump
 from scuro.settings import SettingsGroup, setting
-from scuro.style.paint import linear_rgba
+from scuro.style.paint import check_color, linear_rgba
 
 
 class HaloSettings(SettingsGroup):
@@ -17,7 +17,9 @@ class HaloSettings(SettingsGroup):
     width: float = setting(
         0.0, "how far halos reach; 0 draws none", low=0, high=128, unit="px", main=True
     )
-    color: str = setting("black", "colour: dark halos look like contact shade, light ones glow")
+    color: str = setting(
+        "black", "colour: dark halos look like contact shade, light ones glow", check=check_color
+    )
     opacity: float = setting(0.6, "of the strongest halo, at the edge", low=0, high=1)
     jump: float | None = setting(
         None, "depth jump at which halos are at their strongest (default: two atoms)", low=0
