@@ -126,17 +126,20 @@ def _depth(grid: _Grid, probe: float) -> NDArray[np.float32]:
     outside, h = grid.distance >= 0, grid.spacing
     steps, places = distance_transform_edt(~outside, return_indices=True)
     depth = np.where(outside, -grid.distance, steps * h).astype(np.float32)
-    around = ~outside & (np.abs(depth - probe) < 4 * h)
-    here = np.stack(np.nonzero(around), axis=-1).astype(np.int32)
-    nearest = places[:, around].T
-    best = np.full(len(here), np.inf, np.float32)
-    for offset in np.ndindex(3, 3, 3):
-        place = nearest + (np.array(offset, np.int32) - 1)
-        apart = (place - here).astype(np.float32) * np.float32(h)
-        away = grid.distance[tuple(place.T)]
-        bound = np.sqrt(np.einsum("ij,ij->i", apart, apart)) - away
-        best = np.where((away >= 0) & (bound < best), bound, best)
-    depth[around] = best
+    around = np.flatnonzero(~outside & (np.abs(depth - probe) < 4 * h))
+    here = np.stack(np.unravel_index(around, outside.shape)).astype(np.int32)
+    nearest = places.reshape(3, -1)[:, around]
+    flat, strides = grid.distance.ravel(), np.array(outside.strides)
+    place = np.tensordot(strides, nearest, 1)
+    apart = (nearest - here).astype(np.float32)
+    square = (apart * apart).sum(axis=0)
+    best = np.full(len(around), np.inf, np.float32)
+    for offset in np.array(list(np.ndindex(3, 3, 3)), np.float32) - 1:
+        away = flat[place + int(offset @ strides)]
+        bound = square + 2 * (offset @ apart) + offset @ offset
+        bound = np.float32(h) * np.sqrt(np.maximum(bound, 0)) - away
+        np.minimum(best, bound, out=best, where=away >= 0)
+    depth.ravel()[around] = best
     return depth
 
 
