@@ -123,13 +123,18 @@ def _search(gpu: Gpu, accelerator: Accelerator, texels: int) -> Generator[float,
             count = min(STEP, uniform["end"] - first)
             search = uniform | {"first": first, "end": first + count}
             gpu.compute(
-                "passes/occlusion/neighbours.wgsl", "main", (count,), resources | {"search": search}
-            )
+                "passes/occlusion/neighbours.wgsl", "main", (count,),
+                resources | {"search": search}, {"WIDE": _scans(texels, 6) < _scans(texels, 4)},
+            )  # fmt: skip
             done += count
             yield done / rows
     by_object = [skipped[id(body.geometry)] for body in accelerator.bodies]
     buffer = gpu.buffer(np.array([*by_object, 0], np.uint32), label="slots without neighbours")
     return Neighbours(texels, resources["found"], buffer)
+
+
+def _scans(texels: int, width: int) -> int:
+    return -(-texels // width)
 
 
 def _kinds(p: PackedGeometry) -> tuple[int, int]:

@@ -1,9 +1,12 @@
 // The nearest spheres of each sphere and rod end, by the distance between centers.
 //
-// Sixteen at a time are kept in order in registers: a sphere is put in its place among them by
-// comparisons alone, without a branch. Lists longer than that go on behind the last of those before.
+// Sixteen at a time, or 24, are kept in order in registers: a sphere is put in its place among them by
+// comparisons alone, without a branch. Longer lists go on behind the last of those before.
 
 //#include "scene_types.wgsl"
+
+// Whether 24 are kept at a time.
+override WIDE: bool = false;
 
 struct Search {
     // queries of this dispatch: the first, and the end
@@ -44,10 +47,25 @@ struct Nearest {
     b: vec4f,
     c: vec4f,
     d: vec4f,
+    e: vec4f,
+    f: vec4f,
     ia: vec4u,
     ib: vec4u,
     ic: vec4u,
     id: vec4u,
+    ie: vec4u,
+    ig: vec4u,
+}
+
+fn no_neighbours() -> Nearest {
+    let far = vec4f(FAR);
+    let none = vec4u(NO_PRIMITIVE);
+    return Nearest(far, far, far, far, far, far, none, none, none, none, none, none);
+}
+
+// The last of the first 4, 8 ... that are kept.
+fn last_of(n: ptr<function, Nearest>, texels: u32) -> f32 {
+    return array<f32, 6>((*n).a.w, (*n).b.w, (*n).c.w, (*n).d.w, (*n).e.w, (*n).f.w)[texels - 1u];
 }
 
 // Four in order among which x belongs, given the one before them.
@@ -72,6 +90,16 @@ fn insert(n: ptr<function, Nearest>, x: f32, slot: u32) {
     let before_b = vec4f(a.w, b.xyz);
     let before_c = vec4f(b.w, c.xyz);
     let before_d = vec4f(c.w, d.xyz);
+    if (WIDE) {
+        let e = (*n).e;
+        let f = (*n).f;
+        let before_e = vec4f(d.w, e.xyz);
+        let before_f = vec4f(e.w, f.xyz);
+        (*n).ig = shifted_slots(x, slot, before_f, vec4u((*n).ie.w, (*n).ig.xyz), f, (*n).ig);
+        (*n).ie = shifted_slots(x, slot, before_e, vec4u((*n).id.w, (*n).ie.xyz), e, (*n).ie);
+        (*n).f = shifted(x, before_f, f);
+        (*n).e = shifted(x, before_e, e);
+    }
     (*n).id = shifted_slots(x, slot, before_d, vec4u(ic.w, (*n).id.xyz), d, (*n).id);
     (*n).ic = shifted_slots(x, slot, before_c, vec4u(ib.w, ic.xyz), c, ic);
     (*n).ib = shifted_slots(x, slot, before_b, vec4u(ia.w, ib.xyz), b, ib);
@@ -153,32 +181,25 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let whole = max(max(center, search.dims - 1 - center), vec3i(0));
     let farthest = min(LAST_REACH, max(whole.x, max(whole.y, whole.z)));
     var behind = -1.0;
-    for (var texel = 0u; texel < search.texels; texel += 4u) {
-        var n: Nearest;
-        n.a = vec4f(FAR);
-        n.b = n.a;
-        n.c = n.a;
-        n.d = n.a;
-        n.ia = vec4u(NO_PRIMITIVE);
-        n.ib = n.ia;
-        n.ic = n.ia;
-        n.id = n.ia;
+    let width = select(4u, 6u, WIDE);
+    for (var texel = 0u; texel < search.texels; texel += width) {
+        let asked = min(search.texels - texel, width);
+        var n = no_neighbours();
         var reach = FIRST_REACH;
         loop {
             look_around(&n, p, own, center, reach, behind);
             // what lies in cells beyond is farther than this
             let sure = search.cell * (f32(reach) + edge);
-            let farthest_asked = vec4f(n.a.w, n.b.w, n.c.w, n.d.w)[min(search.texels - texel, 4u) - 1u];
-            if (farthest_asked <= sure * sure || reach >= farthest) {
+            if (last_of(&n, asked) <= sure * sure || reach >= farthest) {
                 break;
             }
             reach += 1;
         }
-        let four = array<vec4u, 4>(n.ia, n.ib, n.ic, n.id);
-        for (var i = 0u; i < min(4u, search.texels - texel); i += 1u) {
+        let lists = array<vec4u, 6>(n.ia, n.ib, n.ic, n.id, n.ie, n.ig);
+        for (var i = 0u; i < asked; i += 1u) {
             let index = (own - search.skipped) * search.texels + texel + i;
-            textureStore(found, table_place(index), four[i]);
+            textureStore(found, table_place(index), lists[i]);
         }
-        behind = n.d.w;
+        behind = last_of(&n, width);
     }
 }
