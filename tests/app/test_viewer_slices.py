@@ -82,7 +82,7 @@ def test_pieces_of_a_pass_take_the_time_that_they_should(renderer):
     pieces.run_in_pieces(frame, record, lambda: next(times))
     assert [len(w) for w in worked] == [8] + [5] * 18 + [2]
     assert (
-        list(itertools.chain(*worked)) == list(range(100))
+        sorted(itertools.chain(*worked)) == list(range(100))
         and shares[-1] == 1
         and shares == sorted(shares)
     )

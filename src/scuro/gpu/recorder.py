@@ -197,10 +197,6 @@ class Recorder:
         """Fill a buffer with zeros."""
         self._encoder.clear_buffer(buffer)
 
-    def copy_buffer(self, source: Any, target: Any, first: int, size: int) -> None:
-        """Copy ``size`` bytes from the ``first`` on to the start of another buffer."""
-        self._encoder.copy_buffer_to_buffer(source, first, target, 0, size)
-
     def copy_texture(self, source: Any, target: Any, *, layer: int = 0) -> None:
         """Copy one texture into another of the same size and format, or into a layer of it."""
         self._encoder.copy_texture_to_texture(

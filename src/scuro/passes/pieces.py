@@ -20,7 +20,7 @@ PIECE = 0.05
 FIRST = 8
 """Tiles of a pass's first piece: two cores take 0.1 s for them at 4,096 rays a pixel."""
 _GROWTH = 8
-"""The next piece has at most so many times the tiles: the first ones may be empty."""
+"""The next piece has at most so many times the tiles."""
 
 
 def run_in_pieces(
@@ -38,16 +38,18 @@ def run_in_pieces(
     """
     assert frame.breathe is not None
     gpu, recorder = frame.gpu, frame.recorder
-    listed = frame.resources["tile_list"]
     recorder.flush()
     total = int(gpu.read_buffer(frame.resources["tile_count"], np.uint32)[0])
-    piece = frame.targets.buffer("piece_list", listed.size)
+    listed = gpu.read_buffer(frame.resources["tile_list"], np.uint32)[:total]
+    # mixed, so that what a few tiles take tells of the others: dear ones lie beside each other
+    listed = np.random.default_rng(0).permutation(listed)
+    piece = frame.targets.buffer("piece_list", 4 * len(listed))
     count = frame.targets.buffer("piece_count", 16, indirect=True)
     done, tiles = 0, FIRST
     while done < total:
         tiles = min(tiles, total - done)
         gpu.write_buffer(count, np.array([tiles, 1, 1, 0], np.uint32))
-        recorder.copy_buffer(listed, piece, 4 * done, 4 * tiles)
+        gpu.write_buffer(piece, listed[done : done + tiles])
         record({"tile_list": piece}, count)
         start = clock()
         recorder.flush()
