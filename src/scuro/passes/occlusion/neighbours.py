@@ -21,7 +21,7 @@ from scuro.trace.pack import PackedGeometry, sorted_by
 from scuro.trace.table import empty_table, integer_table, table
 
 STEP = 1 << 13
-"""So many lists are made in one step."""
+"""So many lists of sixteen are made in one step; of longer ones, fewer."""
 _CELLS_A_SPHERE = 4
 
 
@@ -117,10 +117,11 @@ def _search(gpu: Gpu, accelerator: Accelerator, texels: int) -> Generator[float,
         "starts": integer_table(gpu, np.concatenate([*(c[1] for c in cells), no_cell]), "cells"),
         "found": empty_table(gpu, max(1, rows * texels), "rgba32uint", "neighbours"),
     }
-    done = 0
+    # a scan of the surroundings finds sixteen
+    done, step = 0, STEP // -(-texels // 4)
     for uniform in uniforms:
-        for first in range(0, uniform["end"], STEP):
-            count = min(STEP, uniform["end"] - first)
+        for first in range(0, uniform["end"], step):
+            count = min(step, uniform["end"] - first)
             search = uniform | {"first": first, "end": first + count}
             gpu.compute(
                 "passes/occlusion/neighbours.wgsl", "main", (count,),
