@@ -31,7 +31,7 @@ from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
 from scuro.passes.semantic.recolor import color_by_level, object_colors
 from scuro.passes.semantic.still import draw_still
-from scuro.passes.shadow.shadow import draw_shadows
+from scuro.passes.shadow.shadow import draw_shadows, prepare_shadows
 from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.passes.volume.frame import Volumes
 from scuro.reference.path import PathTracer
@@ -156,6 +156,7 @@ class Renderer:
         frame = self._begun(scene, camera, with_implied(settings), part)
         if frame.settings.renderer != "path" and frame.settings.semantic.mode == "off":
             yield from self._patiently(prepare_occlusion(frame))
+            yield from self._patiently(prepare_shadows(frame))
         yield from self._volumes.prepare(frame, scene)
 
     def _patiently(self, steps: Iterator[float]) -> Iterator[float]:

@@ -94,13 +94,19 @@ class Accelerator:
         For queries of what a ray passes closely. Built when first asked for, kept until another
         growth is; ``scene`` holds only the field that differs.
         """
+        return finished(self.grown_in_steps(gpu, growth))
+
+    def grown_in_steps(self, gpu: Gpu, growth: Growth) -> Generator[float, None, dict[str, Any]]:
+        """The same in short steps; yields the share that is done."""
         if self._grown is None or self._grown[0] != growth:
             self._grown = None  # frees the old ones first
             placement = place(self.bodies, self.center, self.packed)
             plan = plan_grids(self.bodies, self.packed, placement, self.center, growth)
             objects = object_table(self.bodies, self.packed, plan, placement)
-            found = build_grids(gpu, plan, self.resources["slots"], self.resources["instances"])
-            resources = finished(found)
+            yield 0.0
+            resources = yield from build_grids(
+                gpu, plan, self.resources["slots"], self.resources["instances"]
+            )
             resources["objects"] = table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects")
             resources["scene"] = {
                 "top": _top(objects, plan, placement),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from typing import Any
 
@@ -48,12 +48,21 @@ class ShadowSettings(SettingsGroup):
     taps: int = setting(1, "texels around each that are compared (mapped)", low=0, high=16)
 
 
+def prepare_shadows(frame: Frame) -> Iterator[float]:
+    """Build in slices what the technique builds before its first picture; yields shares done."""
+    if _casting(frame):
+        place = TECHNIQUES[frame.settings.shadows.technique]
+        prepare = getattr(import_module(place.split(":")[0]), "prepare", None)
+        if prepare is not None:
+            yield from prepare(frame)
+
+
 def draw_shadows(frame: Frame) -> None:
     """Fill ``shadow`` by the technique of the settings, if any light casts one."""
     technique = frame.settings.shadows.technique
     lights = frame.resources["lights"]["list"]
-    casting = [i for i, light in enumerate(lights) if light["shadow"] >= 0]
-    if technique == "none" or not casting:
+    casting = _casting(frame)
+    if not casting:
         return
     layers = frame.targets.get("shadow", (*frame.size, len(casting)), "r32float")
     for index in casting:
@@ -63,6 +72,14 @@ def draw_shadows(frame: Frame) -> None:
             frame.resources["shadow_light"], layers, layer=lights[index]["shadow"]
         )
     frame.resources["shadow"] = layers
+
+
+def _casting(frame: Frame) -> list[int]:
+    """Numbers of the lights that cast shadows."""
+    if frame.settings.shadows.technique == "none":
+        return []
+    lights = frame.resources["lights"]["list"]
+    return [i for i, light in enumerate(lights) if light["shadow"] >= 0]
 
 
 def _function(place: str) -> Callable[[Frame, int], Any]:

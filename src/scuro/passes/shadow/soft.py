@@ -11,9 +11,17 @@ Meshes have no outer sphere: scenes that hold any are shadowed by rays to the li
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from scuro.passes.frame import Frame
 from scuro.passes.shadow.ray import default_spread, draw_area
 from scuro.trace.grids import Growth
+
+
+def prepare(frame: Frame) -> Iterator[float]:
+    """Build in short steps what :func:`draw` needs; yields the share that is done."""
+    if not frame.constants["HAS_TRIANGLES"]:
+        yield from frame.accelerator.grown_in_steps(frame.gpu, _growth(frame)[0])
 
 
 def draw(frame: Frame, light: int) -> None:
@@ -22,10 +30,8 @@ def draw(frame: Frame, light: int) -> None:
         draw_area(frame, light)
         return
     settings = frame.settings.shadows
-    accelerator = frame.accelerator
-    most = 0.5 * settings.penumbra * accelerator.primitive_radius
-    growth = Growth(margin=most) if settings.ratio is None else Growth(factor=settings.ratio)
-    grown = dict(accelerator.grown(frame.gpu, growth))
+    growth, most = _growth(frame)
+    grown = dict(frame.accelerator.grown(frame.gpu, growth))
     grown["scene"] = frame.resources["scene"] | grown["scene"]
     frame.compute_tiles(
         "passes/shadow/soft.wgsl",
@@ -41,3 +47,12 @@ def draw(frame: Frame, light: int) -> None:
         },
         label="shadow",
     )
+
+
+def _growth(frame: Frame) -> tuple[Growth, float]:
+    """By how much solids are listed larger, and half the widest band around a silhouette."""
+    settings = frame.settings.shadows
+    most = 0.5 * settings.penumbra * frame.accelerator.primitive_radius
+    if settings.ratio is None:
+        return Growth(margin=most), most
+    return Growth(factor=settings.ratio), most
