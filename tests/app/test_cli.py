@@ -175,3 +175,13 @@ def test_ctrl_c_is_quiet(tmp_path):
     out, err = process.communicate(timeout=20)
     assert process.returncode == 130 and (out + err).strip() == b""
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("technique, style, told", [
+    ("baked", "cartoon", True), ("baked", "spacefill", False), ("hybrid", "cartoon", False),
+])  # fmt: skip
+def test_what_a_technique_leaves_open_is_told(tmp_path, capfd, technique, style, told):
+    arguments = ["render", "sample:1hpv", "-o", str(tmp_path / "a.png"), "--size", "32x24"]
+    assert run([*arguments, "--style", style, "--occlusion", technique]) == 0
+    said = f"'{technique}' occlusion does not darken cartoons and surfaces"
+    assert (said in capfd.readouterr().err) == told

@@ -86,6 +86,18 @@ def tell_of_nothing(scene: Scene) -> None:
     click.echo(f"scuro: {said}", err=True)
 
 
+def tell_of_open_triangles(scene: Scene, technique: str) -> None:
+    """Say so on standard error where the technique of occlusion knows spheres and rods only."""
+    if technique not in ("analytic", "baked"):
+        return
+    if any(len(body.geometry.triangles) for body in scene.bodies()):
+        click.echo(
+            f"scuro: '{technique}' occlusion does not darken cartoons and surfaces: "
+            "'--occlusion hybrid' and 'ray' do",
+            err=True,
+        )
+
+
 def scene_counts(scene: Scene) -> dict[str, int]:
     """What a scene holds: atoms with all their copies, and more of other kinds of data."""
     models = [item.model for item in scene.items if hasattr(item, "model")]

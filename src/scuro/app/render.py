@@ -19,6 +19,7 @@ from scuro.app.output import (
     stage,
     tell_notes,
     tell_of_nothing,
+    tell_of_open_triangles,
 )
 from scuro.errors import SettingsError
 from scuro.measure.memory import peak_memory_mb
@@ -90,6 +91,7 @@ def command(
     renderer, camera = _prepare(document, scene, device, clock)
     tell_notes(scene)
     tell_of_nothing(scene)
+    tell_of_open_triangles(scene, document.settings.occlusion.technique)
     note = document.as_dict(Path(output).parent)
     parts = len(renderer.parts(document.settings))
     if parts > 1 and (buffers or inspect is not None):
