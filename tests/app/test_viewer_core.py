@@ -251,6 +251,41 @@ def test_a_clip_handle_pushes_its_plane_and_one_undo_takes_the_drag_back(view, c
     assert view.model.clip.planes[0].equation()[1] > 0.2
 
 
+def test_a_plane_that_faces_the_eye_rocks_like_a_ball(view, controls, clock):
+    rest(view, clock)
+    for away in (1.0, -1.0):
+        back = view.camera.view_from_world()[2, :3]
+        view.model.change(clip=(Cut(normal=tuple(away * back), point=view.camera.target),))
+        knob, end = controls.handles.all()
+        assert (knob.kind, end.kind) == ("push", "rock")
+        a, b = navigate.project(view.camera, [knob.world, end.world], SIZE)[:, :2]
+        assert np.hypot(*(b - a)) > 15, "the handles lie on each other"
+        (ring,) = controls.handles.rings()
+        flat = (ring - np.asarray(view.camera.target)) @ view.model.clip.planes[0].equation()[:3]
+        assert abs(flat).max() < 1e-6
+        controls.handle(event("pointer_down", b[0], b[1]))
+        controls.handle(event("pointer_move", b[0] + 6, b[1], 0))
+        controls.handle(event("pointer_up", b[0] + 6, b[1]))
+        normal = view.camera.view_from_world()[:3, :3] @ view.model.clip.planes[0].equation()[:3]
+        # what is in front goes with the hand, by the angle of a ball of the ring's radius
+        assert normal == pytest.approx(away * np.array([np.sin(1 / 3), 0, np.cos(1 / 3)]), abs=1e-3)
+
+
+def test_another_file_is_opened_without_what_was_set_of_the_first(view):
+    from scuro.scene.clip import ClippingSettings
+
+    load = view.model.document.load.replace(model="1")
+    view.model.change(clipping=ClippingSettings(cube=(5.0, 5.0, 5.0)), load=load)
+    settings = view.model.settings.replace(background="black")
+    view.model.change(settings=settings)
+    assert view.model.open_path("sample:1tii")
+    document = view.model.document
+    assert document.clipping.cube is None and document.settings == settings
+    assert document.load == type(load)()
+    view.model.undo()
+    assert view.model.document.load == load and view.model.document.clipping.cube == (5, 5, 5)
+
+
 def test_the_saved_view_is_the_view(view, controls, clock, tmp_path, renderer):
     for height in (None, 25.0):
         view.move(replace(navigate.orbit(view.camera, (33, 12), SIZE), height=height))

@@ -52,3 +52,12 @@ def test_the_sequence_is_the_protease_and_each_letter_has_its_alpha_carbon():
     for _, number, atom in letters:
         assert str(molecule.atom_name[atom]).strip() == "CA"
         assert molecule.residue_number[molecule.residue[atom]] == number
+
+
+def test_listed_files_have_the_names_below_their_folder():
+    from scuro.viewer.panel.files import short_names
+
+    assert short_names([]) == {}
+    assert short_names(["/a/b/1.pdb"]) == {"1.pdb": "/a/b/1.pdb"}
+    names = short_names(["/a/b/1.pdb", "/a/b/c/2.mrc"])
+    assert names == {"1.pdb": "/a/b/1.pdb", "c/2.mrc": "/a/b/c/2.mrc"}

@@ -110,3 +110,15 @@ def test_the_play_bar_lies_beside_or_above_what_the_corners_hold(width):
     assert left >= 90 or foot(size) >= 90
     assert right <= width - 140 or foot(size) >= 42
     assert room(size) > foot(size)
+
+
+def test_a_click_that_comes_between_two_pictures_reaches_the_panel(renderer):
+    screen = screen_of(renderer, (900.0, 320.0))
+    rest(screen)
+    fold = {"x": 900.0 - 330.0 + 210.0, "y": 19.0, "button": 1, "modifiers": ()}
+    for kind in ("pointer_move", "pointer_down", "pointer_up"):
+        screen.handle({"event_type": kind, **fold})
+        assert not screen.controls.dragging, "the press went to the scene"
+    rest(screen)
+    assert not screen.panel.open
+    screen.close()

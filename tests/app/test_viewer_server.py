@@ -317,6 +317,7 @@ def test_only_named_files_and_those_below_the_root_open(tmp_path):
     (root / "inside.pdb").write_text("ATOM")
     (root / "deep").mkdir()
     (root / "deep" / "map.mrc").write_text("x")
+    (root / "deep" / "notes.txt").write_text("x")
     os.symlink(outside, root / "link.pdb")
     os.symlink(tmp_path, root / "up")
     start = SceneFile(input=(Input(path=str(outside)),))

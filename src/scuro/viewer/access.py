@@ -115,16 +115,23 @@ class Files:
         return real in self.named or (self.root is not None and real.is_relative_to(self.root))
 
     def listing(self) -> list[str]:
-        """Files below the folder, sorted, at most :data:`MOST_LISTED`."""
+        """Files of known endings below the folder, sorted, at most :data:`MOST_LISTED`."""
         if self.root is None:
             return []
-        found = (p for p in sorted(self.root.rglob("*")) if p.is_file())
+        found = (p for p in sorted(self.root.rglob("*")) if _readable(p) and p.is_file())
         inside = (str(p) for p in found if self.may_open(str(p)))
         return [path for path, _ in zip(inside, range(MOST_LISTED), strict=False)]
 
 
 MOST_LISTED = 500
 """Files of a folder that the panel lists."""
+
+
+def _readable(path: Path) -> bool:
+    """Whether a file's name says that scuro opens it."""
+    from scuro.load import READERS, Source
+
+    return path.suffix.lower() == ".toml" or Source(path.name, path).suffix in READERS
 
 
 def _resolved(path: str) -> Path:

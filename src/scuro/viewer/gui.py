@@ -44,6 +44,8 @@ class Gui:
         self._fresh = _SETTLING
         self._quiet = True
         self._place = (-1.0, -1.0)
+        self._judged = False
+        """Whether a frame has found what is at the place."""
         self._body: Callable[[], None] | None = None
 
     def _enter(self) -> None:
@@ -79,15 +81,18 @@ class Gui:
     def _point(self, event: dict[str, Any], decide: bool) -> None:
         """Tell where the pointer is; ``decide`` at once whether it is over the panel.
 
-        ImGui finds out in its next frame. A finger, which comes from nowhere, or a wheel must not
-        be judged by where the pointer was before.
+        ImGui finds out in its next frame. A finger, which comes from nowhere, a wheel, or a press
+        while a slow picture keeps that frame waiting, must not be judged by where the pointer was
+        before.
         """
         place = (event["x"], event["y"])
         self._backend.io.add_mouse_pos_event(*place)
-        if decide and place != self._place and self._body is not None:
+        self._judged &= place == self._place
+        if decide and not self._judged and self._body is not None:
             self._imgui.new_frame()
             self._body()
             self._imgui.end_frame()
+            self._judged = True
         self._place = place
 
     def _key(self, name: str, down: bool) -> None:
@@ -148,6 +153,7 @@ class Gui:
             body()
         finally:
             imgui.render()
+        self._judged = True
         encoder = self._gpu.device.create_command_encoder()
         run = encoder.begin_render_pass(
             color_attachments=[{"view": target, "load_op": "load", "store_op": "store"}]

@@ -1,6 +1,8 @@
 """Handles on the picture for clipping planes and the navigation cube.
 
-A plane has a knob at its point, which pushes it along its normal, and a stalk whose end tilts it.
+A plane has a ring about its point, a knob there, which pushes it along its normal, and a stalk
+whose end tilts it. Where the stalk would point at the eye or away from it, it lies on the ring and
+rocks the plane like a ball under the hand.
 The cube has a knob on each face, which pushes the face, one in its middle, which moves the cube,
 and a stalk that turns it.
 """
@@ -22,7 +24,9 @@ REACH = 10.0
 """Pixels within which a press takes hold of a handle."""
 STALK = 0.15
 """Length of the stalks, as a share of the distance the picture's height covers."""
-PUSH, TILT, FACE, MOVE, TURN = "push", "tilt", "face", "move", "turn"
+PUSH, TILT, ROCK, FACE, MOVE, TURN = "push", "tilt", "rock", "face", "move", "turn"
+_FACING = 0.94
+"""Cosine of the angle between the normal and the line of sight from which a stalk is too short."""
 _GESTURE = "clip handle"
 
 
@@ -31,7 +35,7 @@ class Handle:
     """One thing that can be held."""
 
     kind: str
-    """``push`` and ``tilt`` for planes; ``face``, ``move`` and ``turn`` for the cube."""
+    """``push``, and ``tilt`` or ``rock``, of planes; ``face``, ``move``, ``turn`` of the cube."""
     number: int
     """Of the plane, or of the face."""
     world: tuple[float, float, float]
@@ -64,11 +68,14 @@ class Handles:
     def all(self) -> list[Handle]:
         """Every handle, with its place in the world."""
         found = []
-        length = STALK * navigate.pixel_size(self.view.camera, (1, 1))
+        right, _, back = self.view.camera.view_from_world()[:3, :3]
         for index, plane in enumerate(self.planes):
-            end = np.asarray(plane.point) + plane.equation()[:3] * length
+            normal = plane.equation()[:3]
+            facing = abs(float(normal @ back)) > _FACING
+            way = _flattened(right, normal) if facing else normal
+            end = np.asarray(plane.point) + way * self._length
             found.append(Handle(PUSH, index, plane.point, plane.point))
-            found.append(Handle(TILT, index, _tuple(end), plane.point))
+            found.append(Handle(ROCK if facing else TILT, index, _tuple(end), plane.point))
         model = self.view.model
         clipping = model.document.clipping
         if clipping.cube is not None:
@@ -80,6 +87,22 @@ class Handles:
             end = cube.corners(clipping, model.middle)[7]
             found.append(Handle(TURN, 0, _tuple(end), _tuple(end)))
         return found
+
+    def rings(self) -> list[NDArray[np.float64]]:
+        """(n, 3) points of a circle in each plane about its point."""
+        angles = np.linspace(0, 2 * np.pi, 48, endpoint=False)[:, None]
+        found = []
+        for plane in self.planes:
+            normal = plane.equation()[:3]
+            u = _flattened(np.eye(3)[np.argmin(np.abs(normal))], normal)
+            around = np.cos(angles) * u + np.sin(angles) * np.cross(normal, u)
+            found.append(np.asarray(plane.point) + self._length * around)
+        return found
+
+    @property
+    def _length(self) -> float:
+        """Of stalks, in the world."""
+        return STALK * navigate.pixel_size(self.view.camera, (1, 1))
 
     def near(self, point: Size, size: Size) -> Handle | None:
         """The nearest handle within reach of a pixel position."""
@@ -95,7 +118,7 @@ class Handles:
     def press(self, point: Size, size: Size) -> bool:
         """Take hold of the nearest handle within reach; whether there is one."""
         self.held = self.near(point, size)
-        if self.held is not None and self.held.kind in (PUSH, TILT):
+        if self.held is not None and self.held.kind in (PUSH, TILT, ROCK):
             self.chosen = self.held.number
         return self.held is not None
 
@@ -110,11 +133,11 @@ class Handles:
         step = navigate.pixel_size(camera, size, depth)
         right, up, _ = camera.view_from_world()[:3, :3]
         move = ((now[0] - last[0]) * right - (now[1] - last[1]) * up) * step
-        if held.kind in (PUSH, TILT):
+        if held.kind in (PUSH, TILT, ROCK):
             self._drag_plane(held, move)
         else:
             self._drag_cube(held, move)
-        if held.kind != TILT:
+        if held.kind not in (TILT, ROCK):
             self.held = next(
                 (h for h in self.all() if (h.kind, h.number) == (held.kind, held.number)), None
             )
@@ -126,9 +149,10 @@ class Handles:
         normal = plane.equation()[:3]
         if held.kind == PUSH:
             changed = _pushed(plane, _along(normal, move, camera))
+        elif held.kind == TILT:
+            changed = Plane(plane.point, _tuple(normal * self._length + move))
         else:
-            length = STALK * navigate.pixel_size(camera, (1, 1))
-            changed = Plane(plane.point, _tuple(normal * length + move))
+            changed = Plane(plane.point, _tuple(_rocked(normal, move, camera, self._length)))
         self.set(held.number, changed, f"{_GESTURE} {held.number}")
 
     def _drag_cube(self, held: Handle, move: NDArray) -> None:
@@ -144,7 +168,6 @@ class Handles:
                 clipping, model.middle, held.number, _along(outward, move, camera)
             )
         else:
-            # like a ball under the hand: about the axis across the move
             back = camera.view_from_world()[2, :3]
             axis = np.cross(back, move)
             radius = float(np.linalg.norm(clipping.cube)) / 2
@@ -220,6 +243,24 @@ class Handles:
 def _pushed(plane: Plane, distance: float) -> Plane:
     point = np.asarray(plane.point) + distance * plane.equation()[:3]
     return replace(plane, point=_tuple(point))
+
+
+def _rocked(normal: NDArray, move: NDArray, camera: Camera, radius: float) -> NDArray:
+    """A normal turned like a ball of a radius under the hand: about the axis across the move."""
+    from scipy.spatial.transform import Rotation
+
+    length = float(np.linalg.norm(move))
+    if length == 0:
+        return normal
+    axis = np.cross(camera.view_from_world()[2, :3], move) / length
+    turned: NDArray = Rotation.from_rotvec(axis * length / radius).apply(normal)
+    return turned
+
+
+def _flattened(way: NDArray, normal: NDArray) -> NDArray:
+    """The unit direction in a plane that is nearest to another."""
+    flat = way - normal * (normal @ way)
+    return np.asarray(flat / np.linalg.norm(flat))
 
 
 def _along(normal: NDArray, move: NDArray, camera: Camera) -> float:

@@ -115,7 +115,10 @@ class Model:
 
     def open_path(self, path: str) -> bool:
         """Show another file, or a scene file; :attr:`message` says why if that cannot be."""
-        document = replace(self.document, input=(Input(path=path),), show=(), clip=())
+        # what was set of the other file's atoms, frames and places means nothing in this one
+        document = SceneFile(
+            input=(Input(path=path),), light=self.document.light, settings=self.document.settings
+        )
         try:
             self._guard(document)
             if is_scene_file(path):

@@ -11,9 +11,10 @@ import numpy as np
 
 from scuro.style.gauges import nice_length, scene_unit
 from scuro.style.labels import Label, placed
+from scuro.style.marks import Rect
 from scuro.viewer import navigate
 from scuro.viewer.cube import EDGES
-from scuro.viewer.handles import MOVE, PUSH, TILT, Handles
+from scuro.viewer.handles import MOVE, PUSH, ROCK, TILT, Handles
 from scuro.viewer.measure import Measure, measures
 from scuro.viewer.pick import atom_name
 from scuro.viewer.theme import ACCENT, INK, PAPER
@@ -57,9 +58,9 @@ def draw_overlay(
         _cross(paper, view, (50, size[1] - 50))
     if not view.model.settings.scale_bar.show:
         _scale_bar(paper, view, size)
-    _labels(paper, view, size, labels)
-    for measure in measures([p.anchor for p in view.selection], scene_unit(view.model.scene)):
-        _measure(paper, view, size, measure)
+    found = measures([p.anchor for p in view.selection], scene_unit(view.model.scene))
+    taken = [_measure(paper, view, size, measure) for measure in found]
+    _labels(paper, view, size, labels, [box for box in taken if box is not None])
     if handles.shown:
         _handles(paper, view, handles, size)
     if view.windowing:
@@ -106,7 +107,9 @@ def _scale_bar(paper: Any, view: View, size: Size) -> None:
     _text(paper, (left, y - 20), text)
 
 
-def _labels(paper: Any, view: View, size: Size, labels: Sequence[Label]) -> None:
+def _labels(
+    paper: Any, view: View, size: Size, labels: Sequence[Label], taken: Sequence[Rect]
+) -> None:
     from imgui_bundle import imgui
 
     if not labels:
@@ -116,7 +119,7 @@ def _labels(paper: Any, view: View, size: Size, labels: Sequence[Label]) -> None
         width, height = imgui.calc_text_size(label.text)
         extents.append((width, height))
     places = navigate.project(view.camera, [label.position for label in labels], size)
-    for index, corner in placed(places, extents, size):
+    for index, corner in placed(places, extents, size, taken=taken):
         _text(paper, corner, labels[index].text)
 
 
@@ -129,32 +132,47 @@ def selection_labels(view: View) -> list[Label]:
     ]
 
 
-def _measure(paper: Any, view: View, size: Size, measure: Measure) -> None:
+def _measure(paper: Any, view: View, size: Size, measure: Measure) -> Rect | None:
+    """Draw a measure; what its words cover."""
+    from imgui_bundle import imgui
+
     places = navigate.project(view.camera, measure.points, size)
     if not (places[:, 2] > 0).all():
-        return
+        return None
     for a, b in itertools.pairwise(places):
         paper.add_line(tuple(a[:2]), tuple(b[:2]), ACCENT, 2.0)
-    middle = places[:, :2].mean(axis=0)
-    _text(paper, (middle[0] + 6, middle[1] + 4), measure.text)
+    x, y = (places[:, :2].mean(axis=0) + np.array([6.0, 4.0])).tolist()
+    _text(paper, (x, y), measure.text)
+    width, height = imgui.calc_text_size(measure.text)
+    return x - 3, y - 2, x + width + 3, y + height + 2
 
 
 def _handles(paper: Any, view: View, handles: Handles, size: Size) -> None:
+    from imgui_bundle import imgui
+
     every = handles.all()
     if not every:
         return
     corners = handles.corners()
     if corners is not None:
         places = navigate.project(view.camera, corners, size)
-        for a, b in EDGES:
-            if (places[[a, b], 2] > 0).all():
-                paper.add_line(tuple(places[a, :2]), tuple(places[b, :2]), _HANDLE, 1.5)
+        seen = [(a, b) for a, b in EDGES if (places[[a, b], 2] > 0).all()]
+        for ink, width in ((_EDGE, 3.0), (_HANDLE, 1.5)):
+            for a, b in seen:
+                paper.add_line(tuple(places[a, :2]), tuple(places[b, :2]), ink, width)
+    for number, ring in enumerate(handles.rings()):
+        around = navigate.project(view.camera, ring, size)
+        if (around[:, 2] > 0).all():
+            points = [imgui.ImVec2(x, y) for x, y in around[:, :2].tolist()]
+            color = ACCENT if handles.chosen == number else _HANDLE
+            for ink, width in ((_EDGE, 3.0), (color, 1.5)):
+                paper.add_polyline(points, ink, width, imgui.ImDrawFlags_.closed)
     places = navigate.project(view.camera, [h.world for h in every], size)
     roots = navigate.project(view.camera, [h.root for h in every], size)
     for handle, place, root in zip(every, places, roots, strict=True):
         if not (place[2] > 0 and root[2] > 0):
             continue
-        chosen = handle.kind in (PUSH, TILT) and handles.chosen == handle.number
+        chosen = handle.kind in (PUSH, TILT, ROCK) and handles.chosen == handle.number
         held = handles.held is not None and handles.held.kind == handle.kind
         held = held and handles.held is not None and handles.held.number == handle.number
         color = ACCENT if chosen or held else _HANDLE

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os.path
+from collections.abc import Callable, Sequence
 
 from scuro.errors import ScuroError
 from scuro.viewer.panel.groups import Groups, buttons, heading
@@ -18,7 +19,8 @@ class Files:
         self.view = groups.view
         self._saving = saving
         self._listing = listing
-        self._listed: list[str] | None = None
+        self._listed: dict[str, str] | None = None
+        """Paths by the names they are shown with."""
 
     def open(self) -> None:
         """Another file or scene."""
@@ -29,13 +31,14 @@ class Files:
             return
         given, path = self._groups.fields.text("open", "file", "")
         imgui.set_item_tooltip("A file, PDB ID or scene file; press Enter")
-        if given and path:
-            self._open(path)
         if self._listed is None:
-            self._listed = self._listing()
-        for listed in self._listed:
-            if imgui.selectable(listed, False)[0]:
+            self._listed = short_names(self._listing())
+        if given and path:
+            self._open(self._listed.get(path, path))
+        for name, listed in self._listed.items():
+            if imgui.selectable(name, False)[0]:
                 self._open(listed)
+            imgui.set_item_tooltip(listed)
 
     def _open(self, path: str) -> None:
         if self.view.model.open_path(path):
@@ -78,3 +81,11 @@ class Files:
             act()
         except ScuroError as error:
             self._groups.message = str(error)
+
+
+def short_names(paths: Sequence[str]) -> dict[str, str]:
+    """Paths by what is left of them without the folder that all are in."""
+    if not paths:
+        return {}
+    folder = os.path.commonpath([os.path.dirname(path) for path in paths])
+    return {os.path.relpath(path, folder): path for path in paths}

@@ -19,8 +19,10 @@ _LETTERS = {
     "DA": "A", "DC": "C", "DG": "G", "DT": "T", "A": "A", "C": "C", "G": "G", "U": "U",
 }  # fmt: skip
 """One letter for each residue of polymers."""
-_ROW = 24
-"""Residues a line."""
+_ROW, _GROUP = 20, 10
+"""Residues a line, and between gaps."""
+_NUMBERS, _CELL, _GAP, _LINE = 40.0, 12.0, 6.0, 17.0
+"""Widths of the column of numbers, of a letter and of a gap, and height of a line."""
 
 
 @lru_cache(maxsize=8)
@@ -71,18 +73,38 @@ class SequenceStrip:
         self._chain = min(self._chain, len(chains) - 1)
         _, self._chain = imgui.combo("chain", self._chain, names)
         item, index = chains[self._chain]
-        selected = {p.element for p in self.view.selection if p.item is item}
         letters = sequence(item.molecule, index)
-        for place, (letter, number, atom) in enumerate(letters):
-            if place % _ROW:
-                imgui.same_line(0, 1)
+        imgui.push_style_var(imgui.StyleVar_.selectable_text_align, imgui.ImVec2(0.5, 0.5))
+        imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(0, 0))
+        clipper = imgui.ListClipper()
+        clipper.begin(-(-len(letters) // _ROW), _LINE)
+        while clipper.step():
+            for row in range(clipper.display_start, clipper.display_end):
+                self._line(item, letters, row * _ROW)
+        imgui.pop_style_var(2)
+
+    def _line(self, item: MoleculeItem, letters: list[tuple[str, int, int]], first: int) -> None:
+        """The number of a line's first residue, and its letters, each in a cell of its own."""
+        from imgui_bundle import imgui
+
+        molecule = item.molecule
+        chosen = [p.element for p in self.view.selection if p.item is item and p.element >= 0]
+        selected = set(molecule.residue[chosen].tolist()) if chosen else set()
+        top, number = imgui.get_cursor_pos(), str(letters[first][1])
+        imgui.set_cursor_pos_x(top.x + _NUMBERS - 10 - imgui.calc_text_size(number).x)
+        imgui.text_disabled(number)
+        for place, (letter, number_here, atom) in enumerate(letters[first : first + _ROW]):
+            x = top.x + _NUMBERS + place * _CELL + place // _GROUP * _GAP
+            imgui.set_cursor_pos((x, top.y))
+            residue = int(molecule.residue[atom])
             pressed, _ = imgui.selectable(
-                f"{letter}##{index}.{place}", atom in selected, 0, imgui.ImVec2(10, 14)
+                f"{letter}##{first + place}", residue in selected, 0, imgui.ImVec2(_CELL, _LINE)
             )
-            name = item.molecule.residue_name[item.molecule.residue[atom]]
-            imgui.set_item_tooltip(f"{name} {number}")
+            imgui.set_item_tooltip(f"{molecule.residue_name[residue]} {number_here}")
             if pressed:
                 self._select(item, atom, imgui.get_io().key_shift)
+        imgui.set_cursor_pos((top.x, top.y + _LINE))
+        imgui.dummy((0, 0))
 
     def _select(self, item: MoleculeItem, atom: int, add: bool) -> None:
         bodies = item.bodies()
