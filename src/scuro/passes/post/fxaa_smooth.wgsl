@@ -16,16 +16,18 @@ const STRAY: f32 = 0.75;
 
 // Sums of brightness across the edge of two neighbouring pairs of pixels, first and last along it,
 // around a corner of pixels. The sampler repeats the last texels beyond the picture.
-fn pairs(corner: vec2f, horizontal: bool) -> vec2f {
-    let four = textureGather(0, brightness, nearest, corner / vec2f(textureDimensions(brightness)));
+fn pairs(corner: vec2f, scale: vec2f, horizontal: bool) -> vec2f {
+    let four = textureGather(0, brightness, nearest, corner * scale);
     return select(four.wx + four.zy, four.xy + four.wz, horizontal);
 }
 
 // How far a pixel is covered by what lies across an edge: from its distance to the nearer end of the
 // edge, where one of the two sides of the edge changes. `corner` is the pixel's first corner on the
-// edge, `beside` the sums of the pairs before and after it, `own` and `other` the pixel and the one
-// across.
-fn edge_share(corner: vec2f, horizontal: bool, beside: vec2f, own: f32, other: f32) -> f32 {
+// edge, `scale` one over the picture's size, `beside` the sums of the pairs before and after it, `own`
+// and `other` the pixel and the one across.
+fn edge_share(
+    corner: vec2f, scale: vec2f, horizontal: bool, beside: vec2f, own: f32, other: f32,
+) -> f32 {
     let middle = own + other;
     let gradient = vec2f(0.5 * abs(other - own));
     let along = select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), horizontal);
@@ -34,8 +36,8 @@ fn edge_share(corner: vec2f, horizontal: bool, beside: vec2f, own: f32, other: f
     var jumps = beside - middle;
     var on = abs(jumps) < gradient;
     for (var i = 2.0; any(on) && i < SEARCH; i += 2.0) {
-        let before = pairs(corner - i * along, horizontal).yx - middle;
-        let after = pairs(corner + (i + 1.0) * along, horizontal) - middle;
+        let before = pairs(corner - i * along, scale, horizontal).yx - middle;
+        let after = pairs(corner + (i + 1.0) * along, scale, horizontal) - middle;
         let near = vec2f(before.x, after.x);
         let ended = abs(near) >= gradient;
         let jump = select(vec2f(before.y, after.y), near, ended);
@@ -82,7 +84,7 @@ fn smoothed(pixel: vec2u) -> vec4f {
     let beside = corners + select(vec2f(n, s), vec2f(w, e), horizontal);
     let across_edge = select(vec2i(1, 0), vec2i(0, 1), horizontal);
     let corner = vec2f(pixel) + f32(far) * vec2f(across_edge);
-    let found = edge_share(corner, horizontal, beside, m, select(sides.x, sides.y, far));
+    let found = edge_share(corner, scale, horizontal, beside, m, select(sides.x, sides.y, far));
     let last = vec2i(textureDimensions(color)) - 1;
     let other = clamp(vec2i(pixel) + select(-across_edge, across_edge, far), vec2i(0), last);
     return mix(
