@@ -42,9 +42,12 @@ def borders_uniform(frame: Frame) -> dict[str, Any]:
     settings = frame.settings.borders
     red, green, blue, alpha = linear_rgba(settings.color)
     width = (settings.width or 0.0) * frame.px
+    pixel = 2 * frame.camera.half_height() / frame.resources["view"]["size"][1]
     return {
         "color": (red, green, blue),
         "opacity": settings.opacity * alpha,
         "width": width,
+        "pixel": pixel,
+        "opening": 0.0 if frame.camera.orthographic else pixel,
         "per_jump": 1 / max(full_jump(frame, settings.jump, width), 1e-6),
     }

@@ -9,6 +9,10 @@ struct Borders {
     width: f32,
     // one over the depth jump of the widest line
     per_jump: f32,
+    // width of a pixel: at depth 1, or anywhere (orthographic)
+    pixel: f32,
+    // how far rays through neighbouring pixels part at depth 1
+    opening: f32,
 }
 
 @group(2) @binding(10) var<uniform> borders: Borders;
@@ -34,10 +38,14 @@ fn ground_at(pixel: vec2u, texel: vec4f) -> Ground {
     if (texel.w <= 0.0) {
         return Ground(FAR, vec2f(0.0), 0.0);
     }
-    let normal = (view.view_from_scene * vec4f(texel.xyz, 0.0)).xyz;
-    let facing = dot(normal, -view_ray(vec2f(pixel) + 0.5).direction);
-    let steep = vec2f(normal.x, -normal.y) / max(facing, 1.0 / STEEPEST);
-    let width = pixel_width(texel.w);
+    let to_view = view.view_from_scene;
+    let normal = to_view[0].xyz * texel.x + to_view[1].xyz * texel.y + to_view[2].xyz * texel.z;
+    let right_down = vec2f(normal.x, -normal.y);
+    // along a ray through the pixel that goes one unit ahead
+    let ray = (vec2f(pixel) + 0.5 + view.origin - 0.5 * view.size) * borders.opening;
+    let facing = normal.z - dot(right_down, ray);
+    let steep = right_down * (1.0 / max(facing, 1.0 / STEEPEST));
+    let width = borders.pixel * select(texel.w, 1.0, view.orthographic != 0u);
     return Ground(texel.w, steep * width, width * (1.0 + FACETS * dot(steep, steep)));
 }
 
