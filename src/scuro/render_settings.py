@@ -65,8 +65,8 @@ class Settings(SettingsGroup):
         choices=("deferred", "path"),
     )
     detail: float = setting(
-        1.0,
-        "in cell-scale models, merge atoms while they are smaller than this; 0 never",
+        0.7,
+        "in cell-scale models, merge atoms into spheres with a radius of up to this; 0 never",
         low=0.0,
         high=64.0,
         unit="px",

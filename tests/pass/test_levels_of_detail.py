@@ -68,7 +68,7 @@ def crowd() -> Scene:
     part = Part(structure, turns.astype(np.float32), positions)
     slab = Ingredient(("crowd", "slab", "globule"), (part,))
     # a second compartment, unseen behind the slab
-    one = Part(structure, turns[:1].astype(np.float32), np.array([[0, 0, -500.0]]))
+    one = Part(structure, turns[:1].astype(np.float32), np.array([[0, 0, -130.0]]))
     hidden = Ingredient(("crowd", "behind", "globule"), (one,))
     return Scene().add(MesoscaleModel("crowd", (slab, hidden)))
 
@@ -115,7 +115,7 @@ def test_far_views_do_not_shimmer_under_sub_pixel_shifts(crowd):
 def test_pictures_of_atoms_stay_sharp(crowd):
     renderer = Renderer()
     semantic = {"semantic__mode": "screen", "semantic__thresholds": (2500.0, 1000.0)}
-    near = [picture(renderer, crowd, 250, **semantic, semantic__calm=c) for c in (0.0, 1.0)]
+    near = [picture(renderer, crowd, 150, **semantic, semantic__calm=c) for c in (0.0, 1.0)]
     # smoothed edges are rounded to halves before a pass that follows
     np.testing.assert_allclose(near[0], near[1], atol=1.01 / 255)
     # nor is anything spread where no smoothing of edges is asked for
@@ -135,3 +135,22 @@ def test_a_palette_reaches_the_path_tracer(crowd):
     )
     assert red[0] > 5 * red[1]
     assert own[0] < 2 * own[1]
+
+
+def test_calmed_far_views_come_closer_to_sixteen_samples_a_pixel(crowd):
+    """Calm must not be bought by blur or by other light: error and brightness, edges included."""
+    renderer = Renderer()
+    distance = 2600
+    semantic = {"semantic__mode": "screen", "semantic__thresholds": (2500.0, 1000.0)}
+    # the same pixels as four times larger, unsmoothed ones averaged in linear light
+    settings = {"detail": 0.0, "semantic__calm": 0.0, "antialias__method": "none"}
+    blurs = {"semantic__blur_occlusion": 12, "semantic__blur_shadow": 20}
+    fine = picture(renderer, crowd, distance, size=(480, 360), **semantic, **settings, **blurs)
+    ideal = (fine.reshape(90, 4, 120, 4, 3) ** 2.2).mean(axis=(1, 3)) ** (1 / 2.2)
+
+    def error(**changes) -> float:
+        found = picture(renderer, crowd, distance, detail=0.0, **semantic, **changes)
+        assert found.mean() == pytest.approx(ideal.mean(), abs=0.002)
+        return float(np.sqrt(np.mean((found - ideal) ** 2)))
+
+    assert error() < 0.7 * error(semantic__calm=0.0)

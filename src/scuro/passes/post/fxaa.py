@@ -35,7 +35,7 @@ def brightness_of(frame: Frame, wanted: bool = True) -> dict[str, Any]:
 def draw_fxaa(frame: Frame) -> None:
     """Smooth the jagged edges of ``color``, for passes that follow."""
     if asked_for(frame):
-        _list_edges(frame)
+        list_edges(frame)
         _smooth(frame)
         frame.resources["color"] = frame.resources["replaced"]
 
@@ -44,7 +44,7 @@ def smooth_picture(frame: Frame) -> None:
     """Smooth the jagged edges of ``picture``; ``color`` keeps them: see :func:`smoothed_color`."""
     if not asked_for(frame):
         return
-    _list_edges(frame)
+    list_edges(frame)
     frame.compute(
         "passes/post/fxaa_picture.wgsl",
         {
@@ -67,7 +67,7 @@ def smoothed_color(frame: Frame) -> Any:
     return frame.resources["replaced"]
 
 
-def _list_edges(frame: Frame) -> None:
+def list_edges(frame: Frame) -> None:
     """Fill ``edge_list`` and ``edge_count``."""
     color = frame.resources["color"]
     if "brightness" not in frame.resources:

@@ -1,5 +1,7 @@
-// Where a pixel holds many atoms its one sampled normal is chance: take the mean over the
-// neighbours of the same region instead, over as many pixels as it takes atoms to fill one.
+// Where a pixel holds many atoms its one sampled normal is chance: blurs that stop at edges of
+// normals (blur.wgsl) would stop everywhere. They take the mean over the neighbours of the same region
+// instead, over as many pixels as it takes atoms to fill one. Light itself falls on the normals as they
+// are: the mean of what they reflect is less than what their mean would.
 // Separable: one direction a dispatch.
 
 //#include "seen.wgsl"

@@ -39,9 +39,10 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     color_by_level(frame, hierarchy)
     frame.target("regions", "rgba32uint", clear=_EMPTY)
     frame.compute_tiles("passes/semantic/regions.wgsl")
+    # light falls on the surface as it is; only the blur takes calmed normals for its edges
     calm = {"surface": _calm(frame, settings)}
     frame.target("diffuse", "rgba16float", clear=_EMPTY)
-    frame.compute_tiles("passes/semantic/direct.wgsl", calm)
+    frame.compute_tiles("passes/semantic/direct.wgsl")
     for name, nothing in (("gathered", _EMPTY), ("bounce", _EMPTY), ("lit", _LIT)):
         frame.target(name, "rgba16float", clear=nothing)
     plain = settings.mode == "plain"
@@ -52,12 +53,12 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     if settings.mode == "traced":
         # the bounce stays one of screen space
         if bounce > 0:
-            _occlude(frame, settings, calm, near, bounce)
-        _trace(frame, settings, calm, near, shadow)
+            _occlude(frame, settings, near, bounce)
+        _trace(frame, settings, near, shadow)
     else:
-        _occlude(frame, settings, calm, near, bounce)
+        _occlude(frame, settings, near, bounce)
         if shadow > 0:
-            _shadow(frame, settings, calm, shadow)
+            _shadow(frame, settings, shadow)
     frames = rested(frame)
     samples = settings.rays if settings.mode == "traced" else settings.samples
     occlusion = {
@@ -94,9 +95,7 @@ def _calm(frame: Frame, settings: SemanticSettings) -> Any:
     return surface
 
 
-def _occlude(
-    frame: Frame, settings: SemanticSettings, calm: dict[str, Any], near: float, bounce: float
-) -> None:
+def _occlude(frame: Frame, settings: SemanticSettings, near: float, bounce: float) -> None:
     _halton(frame, settings.samples)
     ssdo = {
         "samples": settings.samples,
@@ -109,7 +108,7 @@ def _occlude(
     }
     frame.compute_tiles(
         "passes/semantic/ssdo.wgsl",
-        calm | {"ssdo": ssdo},
+        {"ssdo": ssdo},
         constants={
             "HAS_NEAR": near > 0,
             "HAS_BOUNCE": near > 0 and bounce > 0,
@@ -140,9 +139,7 @@ def halton_points(first: int, count: int) -> NDArray[np.float32]:
     return found.astype(np.float32)
 
 
-def _trace(
-    frame: Frame, settings: SemanticSettings, calm: dict[str, Any], near: float, shadow: float
-) -> None:
+def _trace(frame: Frame, settings: SemanticSettings, near: float, shadow: float) -> None:
     """Occlusion and shadow in object space."""
     _halton(frame, settings.rays)
     rays = {
@@ -155,12 +152,12 @@ def _trace(
     }
     frame.compute_tiles(
         "passes/semantic/traced.wgsl",
-        calm | {"rays": rays},
+        {"rays": rays},
         constants={"HAS_SKIPS": True, "HAS_NEAR": near > 0, "HAS_SHADOW": shadow > 0},
     )
 
 
-def _shadow(frame: Frame, settings: SemanticSettings, calm: dict[str, Any], share: float) -> None:
+def _shadow(frame: Frame, settings: SemanticSettings, share: float) -> None:
     distance = distance_of(frame, settings)
     shadow = {
         "steps": settings.shadow_steps,
@@ -169,4 +166,4 @@ def _shadow(frame: Frame, settings: SemanticSettings, calm: dict[str, Any], shar
         "strength": share,
         "limit": frame.screen_reach,
     }
-    frame.compute_tiles("passes/semantic/shadow.wgsl", calm | {"shadow": shadow})
+    frame.compute_tiles("passes/semantic/shadow.wgsl", {"shadow": shadow})

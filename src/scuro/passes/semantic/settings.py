@@ -77,7 +77,7 @@ class SemanticSettings(SettingsGroup):
     )
     calm: float = setting(
         1.0,
-        "how much to smooth normals and picture where a pixel holds many atoms; 0 not at all",
+        "how much to smooth light and picture where a pixel holds many atoms; 0 not at all",
         low=0,
         high=8,
     )
