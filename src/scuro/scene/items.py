@@ -48,13 +48,30 @@ class MoleculeItem:
         """One body a representation and assembly part; unchanged ones are the same objects."""
         found: list[Body] = []
         kept: dict[tuple, tuple[Body, ...]] = {}
-        for shown in self.shown or [Shown()]:
-            key = (id(self.molecule), shown, self.assembly)
+        for key, shown in self._keys().items():
             made = self._bodies.get(key) or tuple(self._build(shown))
             kept[key] = made
             found += made
         self._bodies = kept
         return found
+
+    def _keys(self) -> dict[tuple, Shown]:
+        """Each representation by all that its bodies depend on."""
+        shown = self.shown or [Shown()]
+        return {(id(self.molecule), one, self.assembly): one for one in shown}
+
+    @property
+    def built(self) -> bool:
+        """Whether :meth:`bodies` finds all of them made."""
+        return all(key in self._bodies for key in self._keys())
+
+    def twin(self) -> MoleculeItem:
+        """An item of the same molecule and the same bodies, to be shown otherwise."""
+        return MoleculeItem(self.molecule, list(self.shown), self.assembly, dict(self._bodies))
+
+    def take(self, twin: MoleculeItem) -> None:
+        """Know the bodies that a twin has made, too, until :meth:`bodies` is called."""
+        self._bodies |= twin._bodies
 
     @property
     def atoms(self) -> int:

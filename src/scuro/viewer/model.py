@@ -27,6 +27,10 @@ from scuro.settings import parameters
 from scuro.style.options import Representation
 from scuro.viewer.history import History, State
 from scuro.viewer.player import Player
+from scuro.viewer.restyle import Restyle
+
+_LOOK = 0.1
+"""Seconds between looks whether something is built."""
 
 
 class Model:
@@ -61,6 +65,8 @@ class Model:
         self._lighting = self.scene.lighting
         self.probe: Probe | None = None
         """The probe that all views share."""
+        self.restyle: Restyle | None = None
+        """What is built beside the pages, to be shown when it is there."""
         self._start: Any = None
         self._watchers: weakref.WeakSet[Any] = weakref.WeakSet()
         self.message = ""
@@ -87,12 +93,16 @@ class Model:
         """Replace fields of the document (``settings``, ``show``, ``clip`` …), or the ``probe``.
 
         Returns:
-            Whether it could be done; if not, all is as before and :attr:`message` says why.
+            Whether it could be done; if not, all is as before and :attr:`message` says why. What
+            takes long to build is shown later: :attr:`restyle` is there until then.
         """
         state = self.history.present
+        given = dict(changes)
         if "probe" in changes:
             state = replace(state, probe=changes.pop("probe"))
         state = replace(state, document=replace(state.document, **changes))
+        if self._built_beside(state, lambda: self.change(gesture, **given)):
+            return True
         return self._apply(state, lambda: self.history.change(state, gesture))
 
     def undo(self) -> None:
@@ -104,12 +114,61 @@ class Model:
         self._step(self.history.redo, self.history.undo)
 
     def _step(self, step: Callable[[], bool], back: Callable[[], bool]) -> None:
+        if self.restyle is not None:
+            self.restyle = None  # that is what is taken back
+            self.tell()
+            return
         before = self.history.present
-        if step() and not self._apply(self.history.present, lambda: None, before):
+        if not step():
+            return
+        state = self.history.present
+        beside = self._built_beside(state, lambda: self._step(step, back), before)
+        if beside or not self._apply(state, lambda: None, before):
             back()
+
+    def _built_beside(
+        self, state: State, then: Callable[[], object], before: State | None = None
+    ) -> bool:
+        """Begin to build what a state shows beside the pages, if that takes long.
+
+        Args:
+            state: What shall be shown.
+            then: Shows it.
+            before: What is shown, if that is not the history's present.
+        """
+        new, old = state.document, (before or self.history.present).document
+        if (new.input, new.load) != (old.input, old.load) or not self.scene.molecules:
+            return False
+        if (new.show, new.clipping) == (old.show, old.clipping):
+            return False
+        try:
+            restyle = Restyle(self.scene, new, then)
+        except ScuroError:
+            return False  # _apply meets the same error, and tells it
+        self.restyle = restyle if restyle.needed else None
+        return restyle.needed
+
+    def tick(self) -> None:
+        """Show what was built meanwhile."""
+        restyle = self.restyle
+        if restyle is None:
+            return
+        try:
+            if restyle.tick():
+                self.restyle = None
+                restyle.then()
+        except ScuroError as error:
+            self.restyle, self.message = None, str(error)
+            self.tell()
+
+    @property
+    def wait(self) -> float | None:
+        """Seconds until :meth:`tick` should be called again; ``None`` if nothing is built."""
+        return None if self.restyle is None else _LOOK
 
     def open(self, document: SceneFile) -> bool:
         """Show another document; undo returns to this one."""
+        self.restyle = None
         state = State(document)
         return self._apply(state, lambda: self.history.change(state))
 

@@ -127,7 +127,10 @@ class Screen:
         """Seconds until there is something to draw; ``None`` when nothing changes by itself."""
         if self._touched:
             return 0.0
-        timed = (self.view, self.names, self.gui, self.panel.jobs, self.probing, self.model.player)
+        model, panel = self.model, self.panel
+        timed = (
+            model, model.player, self.view, self.names, self.gui, panel.jobs, self.probing
+        )  # fmt: skip
         waits = [part.wait for part in timed]
         return min((w for w in waits if w is not None), default=None)
 
@@ -153,6 +156,7 @@ class Screen:
 
     def _tick(self) -> None:
         """Do what time brings."""
+        self.model.tick()
         self.probing.tick()
         if self.view.drawable:
             self.model.player.tick()  # not before the frame at hand is seen

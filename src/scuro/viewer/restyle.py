@@ -1,0 +1,54 @@
+"""What large molecules are to look like is built beside the pages, which show the old meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from scuro.export.scene_file import SceneFile
+from scuro.scene.scene import Scene
+from scuro.viewer.jobs import in_thread
+
+LARGE = 100_000
+"""Atoms from which on: a cartoon of so many takes a second."""
+
+
+class Restyle:
+    """Builds the bodies of a document's representations without touching the scene.
+
+    Args:
+        scene: What is shown now; its molecules are the document's.
+        document: What shall be shown.
+        then: Shows it: to be called when all is built.
+
+    Raises:
+        ScuroError: The document's representations cannot be.
+    """
+
+    def __init__(self, scene: Scene, document: SceneFile, then: Callable[[], object]) -> None:
+        self._items = scene.molecules
+        self._twins = [item.twin() for item in self._items]
+        document.show_in(Scene(self._twins))
+        self.then = then
+        self._work: Iterator[float] = in_thread(self._build)
+
+    @property
+    def needed(self) -> bool:
+        """Whether there is so much to build that somebody would have to wait."""
+        atoms = sum(twin.atoms for twin in self._twins if not twin.built)
+        return atoms >= LARGE
+
+    def _build(self) -> None:
+        for twin in self._twins:
+            twin.bodies()
+
+    def tick(self) -> bool:
+        """Look whether it is built, and if so, hand it to the scene; says whether it was.
+
+        Raises:
+            ScuroError: It cannot be built.
+        """
+        for _ in self._work:
+            return False
+        for item, twin in zip(self._items, self._twins, strict=True):
+            item.take(twin)
+        return True
