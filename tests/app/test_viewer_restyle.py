@@ -82,3 +82,29 @@ def test_what_cannot_be_built_changes_nothing_and_is_told(model):
     settle(model)
     assert "no such colour" in model.message and model.document == document
     assert styles(model) == ["spacefill"]
+
+
+def test_large_files_are_read_beside_the_pages_and_undo_leaves_them(model, monkeypatch):
+    monkeypatch.setattr("scuro.viewer.restyle.LARGE_FILES", 0)
+    gate, real = threading.Event(), SceneFile.scene
+    readers = []
+
+    def scene(document):
+        readers.append(threading.current_thread())
+        assert gate.wait(20)
+        return real(document)
+
+    monkeypatch.setattr(SceneFile, "scene", scene)
+    other = SceneFile(input=(Input(path="sample:1tii"),))
+    before = model.scene
+    assert model.open(other) and model.scene is before and model.wait
+    model.undo()
+    assert model.restyle is None and not model.history.can_undo
+    model.open(other)
+    gate.set()
+    settle(model)
+    assert model.document == other and len(model.scene.molecules[0].molecule) > 4000
+    assert readers and threading.main_thread() not in readers
+    model.open(SceneFile(input=(Input(path="sample:none"),)))
+    settle(model)
+    assert "none" in model.message and model.document == other

@@ -27,7 +27,7 @@ from scuro.settings import parameters
 from scuro.style.options import Representation
 from scuro.viewer.history import History, State
 from scuro.viewer.player import Player
-from scuro.viewer.restyle import Restyle
+from scuro.viewer.restyle import Reading, Restyle
 
 _LOOK = 0.1
 """Seconds between looks whether something is built."""
@@ -65,8 +65,9 @@ class Model:
         self._lighting = self.scene.lighting
         self.probe: Probe | None = None
         """The probe that all views share."""
-        self.restyle: Restyle | None = None
+        self.restyle: Restyle | Reading | None = None
         """What is built beside the pages, to be shown when it is there."""
+        self._read: Reading | None = None
         self._start: Any = None
         self._watchers: weakref.WeakSet[Any] = weakref.WeakSet()
         self.message = ""
@@ -137,7 +138,13 @@ class Model:
             before: What is shown, if that is not the history's present.
         """
         new, old = state.document, (before or self.history.present).document
-        if (new.input, new.load) != (old.input, old.load) or not self.scene.molecules:
+        if new.input != old.input:
+            if self._read is not None and self._read.document == new:
+                return False
+            reading = Reading(new, then)
+            self.restyle = reading if reading.needed else None
+            return reading.needed
+        if new.load != old.load or not self.scene.molecules:
             return False
         if (new.show, new.clipping) == (old.show, old.clipping):
             return False
@@ -156,6 +163,7 @@ class Model:
         try:
             if restyle.tick():
                 self.restyle = None
+                self._read = restyle if isinstance(restyle, Reading) else None
                 restyle.then()
         except ScuroError as error:
             self.restyle, self.message = None, str(error)
@@ -170,6 +178,8 @@ class Model:
         """Show another document; undo returns to this one."""
         self.restyle = None
         state = State(document)
+        if self._built_beside(state, lambda: self.open(document)):
+            return True
         return self._apply(state, lambda: self.history.change(state))
 
     def open_path(self, path: str) -> bool:
@@ -211,7 +221,7 @@ class Model:
     def _show(self, state: State, before: State) -> None:
         document, old = state.document, before.document
         if document.input != old.input or not self.player.only_plays(document.load, old.load):
-            self.scene = document.scene()
+            self.scene = self._scene_of(document)
             self.middle = self.scene.bounds().mean(axis=0)
             self.player = Player(self)
         else:
@@ -219,6 +229,10 @@ class Model:
                 self.player.show(document.load)
             document.show_in(self.scene)
         self._lighting = self.scene.lighting
+
+    def _scene_of(self, document: SceneFile) -> Scene:
+        read, self._read = self._read, None
+        return document.scene() if read is None or read.document != document else read.scene
 
     def _put_probe(self, state: State, before: State) -> None:
         """Make, change or remove the probe; its atoms are sorted anew only if it must be."""

@@ -1,8 +1,12 @@
-"""What large molecules are to look like is built beside the pages, which show the old meanwhile."""
+"""Large files are read, and styles of large molecules built, beside the pages.
+
+These show what was there meanwhile.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 from scuro.export.scene_file import SceneFile
 from scuro.scene.scene import Scene
@@ -10,6 +14,43 @@ from scuro.viewer.jobs import in_thread
 
 LARGE = 100_000
 """Atoms from which on: a cartoon of so many takes a second."""
+LARGE_FILES = 2_000_000
+"""Bytes from which on: a structure of so many takes a tenth of a second."""
+
+
+class Reading:
+    """Reads the inputs of a document.
+
+    Args:
+        document: What shall be shown.
+        then: Shows it: to be called when all is read.
+    """
+
+    def __init__(self, document: SceneFile, then: Callable[[], object]) -> None:
+        self.document, self.then = document, then
+        self.scene = Scene()
+        """The document's, once it is read."""
+        self._work: Iterator[float] = in_thread(self._read)
+
+    @property
+    def needed(self) -> bool:
+        """Whether there is so much to read that somebody would have to wait."""
+        files = [Path(line.path) for line in self.document.input]
+        return sum(f.stat().st_size for f in files if f.is_file()) >= LARGE_FILES
+
+    def _read(self) -> None:
+        self.scene = self.document.scene()
+        self.scene.bodies()
+
+    def tick(self) -> bool:
+        """Look whether all is read.
+
+        Raises:
+            ScuroError: It cannot be read.
+        """
+        for _ in self._work:
+            return False
+        return True
 
 
 class Restyle:

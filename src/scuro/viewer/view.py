@@ -186,7 +186,7 @@ class View:
     def status(self) -> str:
         """How far the picture is, in words."""
         if self.model.restyle is not None:
-            return "building what was chosen"
+            return "preparing what was chosen"
         if self.built is not None:
             return f"building {self.built:.0%}"
         if self._left:
