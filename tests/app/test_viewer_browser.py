@@ -119,6 +119,26 @@ class Page:
         time.sleep(0.3)
         self._mouse("mouseReleased", *end)
 
+    def fingers(self, start, end):
+        """Put fingers down one after the other, move them together and lift them."""
+        places = [{"x": x, "y": y, "id": n} for n, (x, y) in enumerate(start)]
+
+        def send(kind, points):
+            self.driver.execute_cdp_cmd(
+                "Input.dispatchTouchEvent", {"type": kind, "touchPoints": points}
+            )
+            time.sleep(0.1)
+
+        for count in range(1, len(start) + 1):
+            send("touchStart", places[:count])
+        for share in (0.25, 0.5, 0.75, 1.0):
+            moved = [
+                {"x": a + share * (c - a), "y": b + share * (d - b), "id": n}
+                for n, ((a, b), (c, d)) in enumerate(zip(start, end, strict=True))
+            ]
+            send("touchMove", moved)
+        send("touchEnd", [])
+
     def key(self, key):
         for kind in ("keyDown", "keyUp"):
             self.driver.execute_cdp_cmd("Input.dispatchKeyEvent", {"type": kind, "key": key})
@@ -162,6 +182,15 @@ def test_the_page_shows_what_render_draws_and_answers_to_hands(page, tmp_path):
     assert (picked[name] < 90).all(axis=-1).sum() > 60, "no name of what is under the pointer"
     assert (picked[name] > 200).all(axis=-1).sum() > 300, "no ground under the name"
 
+    # two fingers shift the picture and turn nothing: the axes stay as they are
+    page.fingers([(200, 200), (300, 200)], [(200, 240), (300, 240)])
+    shifted = page.rested()
+    before, after = (a[380:440, 20:90].astype(int) for a in (picked, shifted))
+    drawn = np.ptp(before, axis=-1) > 60
+    assert changed(picked, shifted) > 0.1 and drawn.sum() > 50
+    assert (np.abs(after - before)[drawn] > 60).any(axis=-1).mean() < 0.1
+
+    picked = shifted
     page.key("c")
     clipped = page.rested()
     assert changed(picked, clipped) > 0.1

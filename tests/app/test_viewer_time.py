@@ -359,6 +359,29 @@ def test_deep_pictures_and_layers_are_those_of_the_command_line(saving, tmp_path
     assert any(values.std() > 0 for values in saved.values())
 
 
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_deep_pictures_name_their_file_as_seen_from_where_they_lie(
+    renderer, tmp_path, monkeypatch, elsewhere
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "two.xyz").write_text("2\n\nC 0 0 0\nO 0 0 1.2\n")
+    settings = Settings().replace(occlusion__technique="none")
+    document = SceneFile(input=(Input(path=str(tmp_path / "two.xyz")),), settings=settings)
+    view = View(Model(document), renderer.sibling(), (60, 40))
+
+    def deliver(name, write):
+        write(tmp_path / name)
+        return f"saved {name}"
+
+    saving = Saving(view, Jobs(), deliver, elsewhere)
+    saving.picture_settings = saving.picture_settings.replace(name="deep.png", bits="16")
+    saving.picture()
+    assert finish(saving._jobs) == "saved deep.png"
+    # a page's picture may land in any folder: it names the file as the server was told
+    wanted = str(tmp_path / "two.xyz") if elsewhere else "two.xyz"
+    assert read_settings(tmp_path / "deep.png")["input"][0]["path"] == wanted
+
+
 def test_pictures_in_parts_can_be_stopped_between_them():
     turns, ended = [], []
 

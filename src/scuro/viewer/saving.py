@@ -167,7 +167,7 @@ class Saving:
                 camera,
                 settings,
                 bits=bits,
-                note=document.as_dict(None),
+                note=document.as_dict(None if self._elsewhere else Path.cwd()),
                 on_part=on_part,
             )
 

@@ -24,6 +24,8 @@ _REACH = 8.0
 """Pixels within which a press takes a point."""
 _BINS = 64
 _GROUND, _LINE, _POINT, _RIM = 0xFF1E1A18, 0xFFFFFFFF, 0xFF2A90FF, 0xFF201A16
+_BRIEF = "drag points"
+_HELP = "drag a point; double click adds one, right click removes it"
 _COLORMAPS = (
     "auto", "gray", "viridis", "magma", "inferno", "plasma", "cividis", "turbo", "jet", "hot",
     "bone", "coolwarm", "RdBu", "Spectral", "terrain", "YlGnBu",
@@ -105,11 +107,6 @@ class TransferEditor:
         near = _nearest(places, mouse_x, mouse_y)
         shown = self._held if active else near if hovered else None
         _paint(imgui.get_window_draw_list(), subject, (x0, y0), width, places, shown)
-        if hovered:
-            imgui.set_tooltip(
-                f"{value:.4g}: opacity {opacity:.2f}\n"
-                "drag a point; double click adds one, right click removes it"
-            )
         if hovered and imgui.is_mouse_double_clicked(0) and near is None:
             self._set(subject, sorted([*points, [value, opacity]]), None)
         elif hovered and imgui.is_mouse_clicked(1) and near is not None and len(points) > 1:
@@ -126,6 +123,15 @@ class TransferEditor:
             self._held = None
             self.view.model.history.end_gesture()
         imgui.text_disabled(f"{subject.low:.4g}")
+        imgui.set_item_tooltip(_HELP)
+        if hovered or active:  # not beside the pointer: that would hide what is edited
+            text = f"{value:.4g}: opacity {opacity:.2f}"
+            imgui.same_line((width - imgui.calc_text_size(text).x) / 2)
+            imgui.text(text)
+        else:
+            imgui.same_line((width - imgui.calc_text_size(_BRIEF).x) / 2)
+            imgui.text_disabled(_BRIEF)
+            imgui.set_item_tooltip(_HELP)
         text = f"{subject.high:.4g}"
         imgui.same_line(width - imgui.calc_text_size(text).x)
         imgui.text_disabled(text)

@@ -72,6 +72,8 @@ function followFingers (element) {
   element.addEventListener('pointerdown', (e) => {
     if (e.pointerType !== 'touch') { return }
     fingers.set(e.pointerId, { x: e.offsetX, y: e.offsetY })
+    // not for renderview, which would begin to turn with the second finger
+    if (fingers.size > 1) { e.stopImmediatePropagation() }
     if (fingers.size === 2) {
       last = measure()
       view.onEvent(base('pointer_up', last, 1))
