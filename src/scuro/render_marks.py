@@ -38,6 +38,7 @@ from scuro.style.region_labels import (
     BY_ELEMENT,
     Namer,
     RegionLabel,
+    Survey,
     levels_between,
     region_labels,
 )
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from scuro.render import Renderer
     from scuro.render_settings import Settings
     from scuro.scene.scene import Scene
+    from scuro.style.legend import Legend
     from scuro.trace import Accelerator
 
 ACROSS = 640
@@ -75,6 +77,14 @@ def text_size(settings: Settings) -> float:
     return max(SMALLEST_TEXT, float(round(settings.size[1] * _SHARE)))
 
 
+@dataclass(frozen=True)
+class Sight:
+    """A picture's view, and what it sees."""
+
+    standing: Standing
+    survey: Survey
+
+
 def picture_marks(
     renderer: Renderer,
     scene: Scene,
@@ -94,15 +104,19 @@ def picture_marks(
     Raises:
         SettingsError: There is nothing of what should be named.
     """
-    fixed = fixed_marks(scene, camera, settings)
+    sight = None
+    if (settings.labels.show != "none" and names is None) or tells_regions(scene, settings):
+        standing = Standing(camera, settings, renderer.accelerator(scene))
+        sight = Sight(standing, renderer.survey(scene, camera, settings))
+    fixed = fixed_marks(scene, camera, settings, sight)
     if settings.labels.show == "none":
         marks = fixed
     else:
         if names is None:
-            survey = renderer.survey(scene, camera, settings)
-            standing = Standing(camera, settings, renderer.accelerator(scene))
-            found = region_labels(survey, namer_of(scene, settings), wanted(scene, standing))
-            names = placed_names(found, survey.size, settings, fixed)
+            assert sight is not None
+            levels = wanted(scene, sight.standing)
+            found = region_labels(sight.survey, namer_of(scene, settings), levels)
+            names = placed_names(found, sight.survey.size, settings, fixed)
         marks = [name_text(label, x, y, settings) for label, x, y in names]
         marks = [*marks, *fixed]
     if settings.stereo.mode != "side-by-side":
@@ -110,10 +124,17 @@ def picture_marks(
     return _for_both_eyes(renderer.accelerator(scene), camera, settings, names or [], fixed)
 
 
-def fixed_marks(scene: Scene, camera: Camera, settings: Settings) -> list[Mark]:
+def fixed_marks(
+    scene: Scene, camera: Camera, settings: Settings, sight: Sight | None = None
+) -> list[Mark]:
     """Legends, scale bar and axes: what does not hang on the scene's surfaces."""
     marks = gauge_marks(scene, camera, settings)
-    return marks + legends_of(scene, settings) if settings.legend.show else marks
+    return marks + legends_of(scene, settings, sight=sight) if settings.legend.show else marks
+
+
+def tells_regions(scene: Scene, settings: Settings) -> bool:
+    """Whether the legend tells colours of a hierarchy, which go with what is in view."""
+    return settings.legend.show and bool(scene.hierarchy(settings.semantic.parts).painted.any())
 
 
 def gauge_marks(scene: Scene, camera: Camera, settings: Settings) -> list[Mark]:
@@ -130,8 +151,17 @@ def gauge_marks(scene: Scene, camera: Camera, settings: Settings) -> list[Mark]:
     return marks
 
 
-def legends_of(scene: Scene, settings: Settings, below: float = 0.0) -> list[Mark]:
-    """What the scene's colours mean; ``below``: pixels at the picture's foot to leave free."""
+def legends_of(
+    scene: Scene, settings: Settings, below: float = 0.0, sight: Sight | None = None
+) -> list[Mark]:
+    """What the scene's colours mean.
+
+    Args:
+        scene: The scene.
+        settings: Of the picture.
+        below: Pixels at the picture's foot to leave free.
+        sight: What is in view, for colours that go with it: see :func:`tells_regions`.
+    """
     from scuro.style.legend import legend_marks
     from scuro.style.legends import scene_legends
 
@@ -143,7 +173,39 @@ def legends_of(scene: Scene, settings: Settings, below: float = 0.0) -> list[Mar
         below = max(below, 2.4 * text)  # the bar has its corner
     height -= round(below)
     paper = (*halo[:3], 228)
-    return legend_marks(scene_legends(scene, settings), (width, height), text, corner, ink, paper)
+    legends = scene_legends(scene, settings)
+    regions = _regions(scene, sight) if sight is not None else None
+    if regions is not None:
+        legends.insert(0, regions)
+    return legend_marks(legends, (width, height), text, corner, ink, paper)
+
+
+def _regions(scene: Scene, sight: Sight) -> Legend | None:
+    """What the colours of cell-scale models mean at the level in view."""
+    from scuro.passes.semantic.levels import place
+    from scuro.passes.semantic.recolor import object_colors
+    from scuro.style.legend_hierarchy import LEAVES, hierarchy_legend
+
+    standing = cast(Any, sight.standing)
+    semantic = standing.settings.semantic
+    hierarchy = scene.hierarchy(semantic.parts)
+    if not hierarchy.painted.any():
+        return None
+    things = sight.survey.ids[..., 2]
+    seen = np.bincount(things[things < len(hierarchy.paths)], minlength=len(hierarchy.paths))
+    by_level = semantic.color and semantic.mode != "off"
+    found = object_colors(standing, hierarchy) if by_level or semantic.palette else None
+    if found is not None:
+        colors = found.view(np.uint8).reshape(-1, 4)[:, :3]
+    else:
+        shown = standing.accelerator.bodies
+        colors = np.array([body.geometry.sphere_colors[:1, :3].sum(axis=0) for body in shown])
+    level = LEAVES
+    if by_level:
+        here = place(standing, hierarchy)
+        last = len(hierarchy.levels) - 1
+        level = hierarchy.levels[min(here.level + (here.blend >= 0.5), last)]
+    return hierarchy_legend(hierarchy, colors, seen, level)
 
 
 def wanted(scene: Scene, standing: Standing) -> list[tuple[Level, float]]:

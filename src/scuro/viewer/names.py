@@ -16,6 +16,7 @@ import numpy as np
 from scuro.errors import ScuroError
 from scuro.passes.post.stereo import eye_size
 from scuro.render_marks import (
+    Sight,
     Standing,
     gauge_marks,
     legends_of,
@@ -23,6 +24,7 @@ from scuro.render_marks import (
     name_text,
     namer_of,
     taken_by,
+    tells_regions,
     text_size,
     wanted,
 )
@@ -75,6 +77,8 @@ class Names:
         self._texture: Any = None
         self._asked: Any = None
         self._legend: tuple[Any, list[Mark]] = (None, [])
+        self._told: Drawn | None = None
+        self._told_at = -1e9
 
     @property
     def wait(self) -> float | None:
@@ -83,6 +87,8 @@ class Names:
             return 1 / 30
         if self._named() and self.view.drawn is not None and self._seen is not self.view.drawn:
             return max(0.0, EVERY - (self._clock() - self._surveyed))
+        if self._told is not None and self._told is not self.view.drawn:
+            return max(0.0, EVERY - (self._clock() - self._told_at))
         return None
 
     def _named(self) -> bool:
@@ -101,14 +107,19 @@ class Names:
     def _fixed(self, settings: Settings, drawn: Drawn) -> list[Mark]:
         scene = self.view.model.scene
         marks = gauge_marks(scene, drawn.camera, settings)
+        regions = tells_regions(scene, settings)
+        if not regions:
+            self._told = None
         if settings.legend.show:
             key = (settings, tuple(map(id, scene.items)), self.view.model.document.show)
-            if self._legend[0] != key:
+            due = self._clock() - self._told_at >= EVERY
+            if self._legend[0] != key or (regions and due and self._told is not drawn):
                 try:
                     plays = self.view.model.player.length > 1
                     logical = [s / self.view.ratio for s in self.view.size]
                     free = room((logical[0], logical[1])) * self.view.ratio if plays else 0.0
-                    self._legend = (key, legends_of(scene, settings, free))
+                    sight = self._sight(settings, drawn) if regions else None
+                    self._legend = (key, legends_of(scene, settings, free, sight))
                 except ScuroError:  # the picture cannot be drawn either, and says why
                     self._legend = (key, [])
             marks += self._legend[1]
@@ -148,6 +159,12 @@ class Names:
             place = (label.key, label.anchor)
             track = self._tracks.setdefault(place, _Track(label))
             track.label, track.found = label, True
+
+    def _sight(self, settings: Settings, drawn: Drawn) -> Sight:
+        """What the picture shows, for a legend that goes with it."""
+        self._told, self._told_at = drawn, self._clock()
+        accelerator = self.view.renderer.accelerator(self.view.model.scene)
+        return Sight(Standing(drawn.camera, settings, accelerator), self._look(drawn))
 
     def _look(self, drawn: Drawn) -> Survey:
         gpu = drawn.gpu

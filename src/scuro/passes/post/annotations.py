@@ -20,7 +20,7 @@ class LabelSettings(SettingsGroup):
 
 
 class LegendSettings(SettingsGroup):
-    """What colours mean: of atoms coloured by a property, volumes and reservoirs."""
+    """What colours mean: of atoms by a property, cell-scale models, volumes and reservoirs."""
 
     show: bool = setting(
         False, "add colours, opacity over the histogram, units and dates", main=True
