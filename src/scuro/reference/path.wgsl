@@ -135,7 +135,7 @@ fn path_light(first: Ray, seed: u32) -> vec4f {
 
 @compute @workgroup_size(8, 8)
 fn add(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = tile_pixel(group, local);
+    let pixel = tile_pixel(group, in_blocks(local));
     if (any(pixel >= paths.size)) {
         return;
     }

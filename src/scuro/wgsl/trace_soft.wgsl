@@ -10,11 +10,14 @@ struct Penumbra {
     // half of its width at a distance t along the ray: min(slope t, most); the silhouette in the middle
     slope: f32,
     most: f32,
-    // or, above 1, the ratio of an outer sphere's radius to the solid's (Parker's form)
+    // or, if PARKER, the ratio of an outer sphere's radius to the solid's (Parker's form)
     ratio: f32,
 }
 
-// The part of a ray's light that one solid leaves, before the fade is rounded off.
+// Whether penumbras have Parker's fixed ratio.
+override PARKER: bool = false;
+
+// The part of a ray's light that one solid leaves, before the fade is rounded off: from -1, nothing, to 1.
 fn left_by(ray: Ray, entry: Entry, first: f32, last: f32, penumbra: Penumbra) -> f32 {
     var solid = entry.sphere;
     var t = dot(solid.xyz - ray.origin, ray.direction);
@@ -31,11 +34,10 @@ fn left_by(ray: Ray, entry: Entry, first: f32, last: f32, penumbra: Penumbra) ->
     }
     let nearest = clamp(t, first, last);
     let gap = distance(ray.origin + nearest * ray.direction, solid.xyz) - solid.w;
-    let half = max(min(penumbra.most, penumbra.slope * nearest), 1e-6);
-    if (penumbra.ratio > 1.0) {
-        return select(gap / ((penumbra.ratio - 1.0) * solid.w), 1.0, t <= first);
+    if (PARKER) {
+        return select(2.0 * gap / ((penumbra.ratio - 1.0) * solid.w) - 1.0, 1.0, t <= first);
     }
-    return (gap + half) / (2.0 * half);
+    return gap / max(min(penumbra.most, penumbra.slope * nearest), 1e-6);
 }
 
 // The least that any solid of one instance leaves, or `least` if that is less.
@@ -55,7 +57,7 @@ fn least_in_geometry(view: Local, t_max: f32, penumbra: Penumbra, least: f32) ->
         found = min(found, select(left_by(view.ray, entry, first, last, penumbra), 1.0, at_cell));
         let onward = select(entry.last, texel.y != 0u, at_cell);
         let clear = at_cell & is_clear(walk, texel);
-        if ((found <= 0.0) | clear | (onward & (walk_exit(walk) >= walk.t_end))) {
+        if ((found <= -1.0) | clear | (onward & (walk_exit(walk) >= walk.t_end))) {
             break;
         }
         index = walk_flat(&walk, texel, index, at_cell, onward);
@@ -74,7 +76,7 @@ fn least_in_assembly(
     frame_at_hand = frame;
     loop {
         let index = next_instance(&search, outer.grid.cell, outer.ray, 0.0, t_max);
-        if (index == NO_INSTANCE || found <= 0.0) {
+        if (index == NO_INSTANCE || found <= -1.0) {
             break;
         }
         let local = local_view(outer.ray, eye, index, 0.0, t_max, kept);
@@ -92,12 +94,12 @@ fn trace_soft(ray: Ray, t_max: f32, penumbra: Penumbra) -> f32 {
     var least = 1.0;
     if (!HAS_TOP_LEVEL) {
         least = least_in_geometry(only_view(ray, kept), t_max, penumbra, 1.0);
-        return smoothstep(0.0, 1.0, least);
+        return smoothstep(-1.0, 1.0, least);
     }
     var search = search_start(scene.top, ray, 0.0, t_max, kept);
     loop {
         let index = next_instance(&search, scene.top.cell, ray, 0.0, t_max);
-        if (index == NO_INSTANCE || least <= 0.0) {
+        if (index == NO_INSTANCE || least <= -1.0) {
             break;
         }
         let local = local_view(ray, scene.eye, index, 0.0, t_max, kept);
@@ -109,5 +111,5 @@ fn trace_soft(ray: Ray, t_max: f32, penumbra: Penumbra) -> f32 {
             }
         }
     }
-    return smoothstep(0.0, 1.0, least);
+    return smoothstep(-1.0, 1.0, least);
 }

@@ -9,7 +9,7 @@
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let id = tile_pixel(group, local);
+    let id = tile_pixel(group, in_blocks(local));
     let size = textureDimensions(visible);
     if (any(id >= size)) {
         return;

@@ -53,14 +53,9 @@ fn visibility_at(pixel: vec2u, place: vec2u) -> f32 {
     return fan_visibility(fan, rays.samples, rays.distance);
 }
 
-// Lanes in blocks of 4 x 2 pixels, which start in the same cells.
-fn block_order(lane: u32) -> vec2u {
-    return vec2u((lane & 3u) | ((lane >> 1u) & 4u), ((lane >> 2u) & 1u) | ((lane >> 3u) & 6u));
-}
-
 @compute @workgroup_size(8, 8)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let pixel = tile_pixel(group, vec3u(block_order(lane), 0u));
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = tile_pixel(group, in_blocks(local));
     if (any(pixel >= textureDimensions(result))) {
         return;
     }

@@ -66,7 +66,7 @@ fn lit_at(pixel: vec2u) -> f32 {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = tile_pixel(group, local);
+    let pixel = tile_pixel(group, in_blocks(local));
     if (any(pixel >= textureDimensions(result))) {
         return;
     }

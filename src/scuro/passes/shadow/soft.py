@@ -45,6 +45,7 @@ def draw(frame: Frame, light: int) -> None:
             },
             "result": frame.resources["shadow_light"],
         },
+        constants={"PARKER": settings.ratio is not None},
         label="shadow",
     )
 

@@ -12,7 +12,7 @@ struct Soft {
     spread: f32,
     // half of the penumbra's width at most, in scene units
     most: f32,
-    // of outer to inner radius; 0 for penumbras that widen with distance
+    // of outer to inner radius, if PARKER
     ratio: f32,
 }
 
@@ -23,7 +23,7 @@ struct Soft {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = tile_pixel(group, local);
+    let pixel = tile_pixel(group, in_blocks(local));
     if (any(pixel >= textureDimensions(result))) {
         return;
     }
