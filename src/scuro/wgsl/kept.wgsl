@@ -36,3 +36,17 @@ fn kept_interval(ray: Ray) -> Kept {
     }
     return kept;
 }
+
+// Whether a surface is the cap of something cut: on a plane, facing what it took away. The kept region
+// is convex, so nothing else that is cut can be before it: it is open to all of its hemisphere.
+fn on_cap(position: vec3f, normal: vec3f, depth: f32) -> bool {
+    var found = false;
+    if (CLIPPED) {
+        for (var i = 0u; i < scene.plane_count + (i >> 31u); i += 1u) {
+            let plane = scene.planes[i];
+            let height = dot(plane.xyz, position) + plane.w;
+            found |= (dot(plane.xyz, normal) < -0.99999) & (abs(height) < 0.01 + 1e-5 * depth);
+        }
+    }
+    return found;
+}

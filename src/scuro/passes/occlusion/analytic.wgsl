@@ -95,14 +95,15 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         textureStore(result, pixel, vec4f(1.0));
         return;
     }
+    let position = scene_position(vec2f(pixel) + 0.5, texel.w);
     let instance = numbered(id.y, id.z);
     let inverse = conjugate(instance.rotation);
-    let p = rotate(inverse, scene_position(vec2f(pixel) + 0.5, texel.w) - instance.center);
+    let p = rotate(inverse, position - instance.center);
     let n = rotate(inverse, texel.xyz);
     let flags = traced_object(id.z).flags;
     let clipped = (flags & UNCLIPPED) == 0u;
     var open = 1.0;
-    if (kind_of(id.w) != TRIANGLE) {
+    if (kind_of(id.w) != TRIANGLE && !(clipped && on_cap(position, texel.xyz, texel.w))) {
         open = open_share(slot_of(id.w), p, n, instance, clipped, opacity_of(flags));
     }
     textureStore(result, pixel, vec4f(open));

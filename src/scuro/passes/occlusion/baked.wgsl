@@ -31,9 +31,14 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         textureStore(result, pixel, vec4f(1.0));
         return;
     }
+    let position = scene_position(vec2f(pixel) + 0.5, texel.w);
+    if ((traced_object(id.z).flags & UNCLIPPED) == 0u && on_cap(position, texel.xyz, texel.w)) {
+        // no texel of the sphere lies on its cap
+        textureStore(result, pixel, vec4f(1.0));
+        return;
+    }
     let instance = numbered(id.y, id.z);
-    let p = rotate(conjugate(instance.rotation),
-        scene_position(vec2f(pixel) + 0.5, texel.w) - instance.center);
+    let p = rotate(conjugate(instance.rotation), position - instance.center);
     let a = slot_at(slot_of(id.w));
     var at: vec2f;
     if (kind_of(id.w) == SPHERE) {
