@@ -253,7 +253,7 @@ def test_a_full_disk_keeps_finished_frames(tmp_path, monkeypatch):
     monkeypatch.undo()
     assert film.missing == [1, 2]
     assert not (tmp_path / "a.gif").exists()
-    assert len(list(film.folder.glob("*.png"))) == 1
+    assert sorted(p.name for p in film.folder.iterdir()) == ["000000.png", "plan.json"]
 
 
 def test_an_unknown_format_a_sweep_without_planes_and_one_model_are_refused(tmp_path, capsys):

@@ -131,7 +131,8 @@ def test_openexr_layers_and_premultiplied_light(tmp_path):
         channels = {name: channel.pixels for name, channel in read.channels().items()}
         assert json.loads(read.header()["scuro"]) == SETTINGS
     assert {"R", "A", "depth.Z", "normal.Y", "ids.atom", "occlusion.visibility"} <= set(channels)
-    assert np.abs(channels["G"] - linear[..., 1]).max() < 1e-3
+    for number, name in enumerate("RGBA"):
+        assert np.abs(channels[name] - linear[..., number]).max() < 1e-3
     assert np.array_equal(channels["normal.Y"], normal[..., 1])
     assert channels["ids.atom"][3, 4] == 42 and channels["ids.atom"][0, 0] == 0
 

@@ -28,7 +28,7 @@ PLANE = Plane((0, 0, 3.4), (0.05, 0, -1))
 """Between the floor and the roof, through the empty space there."""
 
 
-def scene(roof: bool, gone: bool):
+def scene(roof: bool):
     """A bumpy floor, with or without a roof that hangs over a part of it and outside of the view.
 
     A few atoms far away, which nothing clips, hold the bounds.
@@ -40,11 +40,8 @@ def scene(roof: bool, gone: bool):
     above = np.c_[above, np.full(len(above), 5.0), np.full(len(above), 1.1)]
     far = [(x, y, z, 0.1) for x in (-20, 20) for y in (-20, 20) for z in (-9, 9)]
     rows = [*map(tuple, floor), *(map(tuple, above) if roof else ())]
-    made = scene_of(spheres(*rows, color=(210, 160, 120, 255)),
+    return scene_of(spheres(*rows, color=(210, 160, 120, 255)),
                     replace(spheres(*far), clipped=False))  # fmt: skip
-    if gone:
-        made.clip = Clip((PLANE,))
-    return made
 
 
 @pytest.mark.parametrize("whole", [False, True])
@@ -52,15 +49,28 @@ def scene(roof: bool, gone: bool):
 def test_what_is_clipped_away_leaves_no_trace(name, whole):
     changes = {"lighting__preset": "full", "occlusion__technique": "none",
                "shadows__technique": "none", **WAYS[name]}  # fmt: skip
-    with_roof = draw(scene(True, False), CAMERA, **changes).pixels.astype(int)
-    cut = scene(True, True)
-    cut.clip = replace(cut.clip, whole=whole)
-    # the same renderer first drew the roof: nothing of it may be left over
+    cut = scene(roof=True)
+    with_roof = draw(cut, CAMERA, **changes).pixels.astype(int)
+    cut.clip = Clip((PLANE,), whole)
+    # the same scene was first drawn with its roof: nothing of it may be left over
     found = draw(cut, CAMERA, **changes).pixels.astype(int)
-    expected = draw(scene(False, False), CAMERA, **changes).pixels.astype(int)
+    expected = draw(scene(roof=False), CAMERA, **changes).pixels.astype(int)
     off = np.abs(found - expected).max(axis=-1)
     assert off.mean() < 0.25 and (off > 12).mean() < 0.002, (off.mean(), off.max())
     assert np.abs(with_roof - expected).mean() > 2
+
+
+def test_the_closed_form_forgets_what_is_cut():
+    """A ball over another, wholly cut away: it is a near neighbour still, and blocks nothing."""
+    made = scene_of(spheres((0, 0, 0, 1), (0, 0, 2.2, 1)))
+    camera = Camera((40, 0, 0), (0, 0, 0), height=2.4)
+
+    def darkest() -> float:
+        return float(draw(made, camera, occlusion__technique="analytic").buffer("visibility").min())
+
+    assert darkest() < 0.9
+    made.clip = Clip((Plane((0, 0, 1.15), (0, 0, -1)),))
+    assert darkest() == pytest.approx(1, abs=1e-5)
 
 
 @pytest.mark.parametrize("name", [n for n in occlusion.TECHNIQUES if n != "none"])
