@@ -239,3 +239,25 @@ def test_the_picture_of_assemblies_is_that_of_all_their_instances():
     assert abs(a["visibility"] - b["visibility"])[same].mean() < 0.01
     difference = abs(a["picture"].astype(int) - b["picture"]).max(axis=2)
     assert (difference > 8).mean() < 0.02
+
+
+def test_wide_penumbras_of_instances_are_those_of_one_geometry():
+    """Parker's outer spheres reach far beyond the bounding spheres by which instances are listed."""
+    body = _turned(_balls(1, 40, 0.1, (0.4, 0.4)), 500, 41, 3)
+    spheres = np.float32(_world([body]))
+    ids = np.arange(len(spheres), dtype=np.int32)
+    whole = Body(Geometry(spheres, np.zeros((len(spheres), 4), np.uint8), ids))
+    settings = Settings(size=(128, 96)).replace(
+        shadows__technique="soft", shadows__ratio=4.0, occlusion__technique="none"
+    )
+    found = []
+    camera = None
+    for shown in (whole, body):
+        scene = Scene()
+        scene.extra_bodies.append(shown)
+        renderer = Renderer(gpu=gpu())
+        camera = camera or renderer.fitted(scene, settings)
+        found.append(renderer.render(scene, camera, settings).buffer("shadow"))
+    off = np.abs(found[0] - found[1])
+    assert ((found[0] > 0.02) & (found[0] < 0.98)).sum() > 200
+    assert off.max() < 0.01
