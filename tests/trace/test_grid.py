@@ -242,7 +242,7 @@ def test_the_picture_of_assemblies_is_that_of_all_their_instances():
 
 
 def test_wide_penumbras_of_instances_are_those_of_one_geometry():
-    """Parker's outer spheres reach far beyond the bounding spheres by which instances are listed."""
+    """Parker's outer spheres reach beyond the bounding spheres by which instances are listed."""
     body = _turned(_balls(1, 40, 0.1, (0.4, 0.4)), 500, 41, 3)
     spheres = np.float32(_world([body]))
     ids = np.arange(len(spheres), dtype=np.int32)
