@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
@@ -40,14 +39,7 @@ class KeyFrames:
     def __init__(
         self, path: str, view: ViewSettings, camera: Callable[[ViewSettings], Camera]
     ) -> None:
-        try:
-            text = Path(path).read_text(encoding="utf-8")
-        except FileNotFoundError:
-            raise LoadError(path, "there is no such file") from None
-        except UnicodeDecodeError:
-            raise LoadError(path, "is not a text file in UTF-8") from None
-        except OSError as error:
-            raise LoadError(path, f"cannot be read ({error.strerror})") from None
+        text = toml.read(path)
         values, lines = toml.parse(text, path), toml.Lines(text)
         others = sorted(set(values) - {"key"})
         if others:

@@ -6,7 +6,6 @@ setting. The same document is embedded in each picture, so that it can be made a
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from os import PathLike
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from scuro.errors import LoadError, SaveError, SettingsError
 from scuro.export import toml
 from scuro.export.files import replacing
+from scuro.export.paths import found_path, moved, named_path, relative_path
 from scuro.export.png import is_png, read_settings
 from scuro.export.reading import Fault, group_from
 from scuro.load import LoadOptions
@@ -163,7 +163,7 @@ class SceneFile:
         """Plain values; input paths relative to ``folder`` if one is given."""
         inputs = [line.as_dict() for line in self.input]
         for values in inputs:
-            values["path"] = _relative(values["path"], folder)
+            values["path"] = relative_path(values["path"], folder)
         return {
             _VERSION_KEY: VERSION,
             "input": inputs,
@@ -171,7 +171,7 @@ class SceneFile:
             "light": [light.as_dict() for light in self.light],
             "clip": [cut.as_dict() for cut in self.clip],
             "clipping": self.clipping.as_dict(),
-            "load": _moved_load(self.load, folder).as_dict(),
+            "load": moved(self.load, folder).as_dict(),
             "view": self.view.as_dict(),
             "settings": self.settings.as_dict(),
         }
@@ -221,14 +221,7 @@ def read_scene_file(path: str | PathLike[str]) -> SceneFile:
     if is_png(path):
         values, lines = read_settings(path), toml.Lines("")
     else:
-        try:
-            text = Path(path).read_text(encoding="utf-8")
-        except FileNotFoundError:
-            raise LoadError(path, "there is no such file") from None
-        except OSError as error:
-            raise LoadError(path, f"cannot be read ({error.strerror})") from None
-        except UnicodeDecodeError:
-            raise LoadError(path, "is not a text file in UTF-8") from None
+        text = toml.read(path)
         values, lines = toml.parse(text, path), toml.Lines(text)
     try:
         return _document(values, Path(path).parent)
@@ -253,8 +246,8 @@ def write_scene_file(
     if any(line.path == "-" for line in document.input):
         raise SaveError(path, "standard input cannot be named in a scene file: give a file")
     folder = Path(path).parent if relative else None
-    inputs = [line.replace(path=_named(line.path, folder)) for line in document.input]
-    document = replace(document, load=_moved_load(document.load, folder, absolute=True))
+    inputs = [line.replace(path=named_path(line.path, folder)) for line in document.input]
+    document = replace(document, load=moved(document.load, folder, absolute=True))
     head = (
         "# A scene of scuro: render it with 'scuro render THIS -o picture.png'.\n"
         f"{_VERSION_KEY} = {VERSION}\n"
@@ -304,37 +297,10 @@ def _document(values: Mapping[str, Any], folder: Path) -> SceneFile:
         else:
             made[key] = group_from(kinds[key], value, (key,))
     made["input"] = tuple(
-        line.replace(path=_found(line.path, folder)) for line in made.get("input", ())
+        line.replace(path=found_path(line.path, folder)) for line in made.get("input", ())
     )
     load = made.get("load", LoadOptions())
     for name in ("trajectory", "structures"):
         if getattr(load, name) is not None:
-            made["load"] = load = load.replace(**{name: _found(getattr(load, name), folder)})
+            made["load"] = load = load.replace(**{name: found_path(getattr(load, name), folder)})
     return SceneFile(**made)
-
-
-def _moved_load(load: LoadOptions, folder: Path | None, absolute: bool = False) -> LoadOptions:
-    """Options whose files are named as seen from a folder."""
-    name = _named if absolute else _relative
-    given = {key: getattr(load, key) for key in ("trajectory", "structures")}
-    return load.replace(**{k: name(path, folder) for k, path in given.items() if path is not None})
-
-
-def _named(path: str, folder: Path | None) -> str:
-    """A file's path as seen from a folder, or its absolute one; IDs and samples as they are."""
-    if folder is None and Path(path).exists():
-        return str(Path(path).resolve())
-    return _relative(path, folder)
-
-
-def _relative(path: str, folder: Path | None) -> str:
-    """A file's path as seen from a folder; IDs and samples as they are."""
-    if folder is None or not Path(path).exists():
-        return path
-    return Path(os.path.relpath(path, folder)).as_posix()
-
-
-def _found(path: str, folder: Path) -> str:
-    """Inverse of :func:`_relative`."""
-    there = folder / path
-    return str(there) if path != "-" and there.exists() else path

@@ -6,6 +6,7 @@ import json
 import re
 import tomllib
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from scuro.errors import LoadError
@@ -14,6 +15,22 @@ from scuro.settings import Parameter, SettingsGroup, parameters, subgroups
 _AUTO = "auto"
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([A-Za-z0-9_.\-\s\"]+?)\s*\]\]?\s*(#.*)?$")
 _KEY = re.compile(r"^\s*([A-Za-z0-9_.\-\"]+)\s*=")
+
+
+def read(path: str | PathLike[str]) -> str:
+    """The text of a file.
+
+    Raises:
+        LoadError: It cannot be read, or is no text.
+    """
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise LoadError(path, "there is no such file") from None
+    except OSError as error:
+        raise LoadError(path, f"cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError:
+        raise LoadError(path, "is not a text file in UTF-8") from None
 
 
 def parse(text: str, path: str | PathLike[str]) -> dict[str, Any]:
