@@ -66,6 +66,17 @@ def test_bench_lists_runs_and_refuses(capfd):
     assert run(["bench", "visibility", "--size", "0x9"]) == 2
 
 
+def test_every_list_of_rows_is_a_table(monkeypatch, capfd):
+    from scuro.measure.bench import navigation
+
+    rows = [{"molecule": "a", "frame_s": 0.25}]
+    report = {"size": [64, 48], "rows": rows, "rest": [{"rest": "cartoon", "ratio": 1.5}]}
+    monkeypatch.setattr(navigation, "run", lambda options: report)
+    assert run(["bench", "navigation"]) == 0
+    out = capfd.readouterr().out
+    assert "0.25" in out and "navigation: rest" in out and "cartoon" in out and "1.5" in out
+
+
 def test_bench_shadows_holds_each_technique_to_area_lights(capfd):
     assert (
         run(["bench", "shadows", "sample:1hpv", "--size", "96x72", "--frames", "1", "--json"]) == 0

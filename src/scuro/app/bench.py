@@ -71,13 +71,21 @@ def _say(text: str) -> None:
 
 
 def _print(report: dict[str, Any]) -> None:
+    """A table of the rows, and one of each further list of rows under its own name."""
+    if not report["rows"]:
+        raise SettingsError("nothing was measured")
+    title = f"{report['benchmark']} on {report.get('adapter', 'this machine')}"
+    _print_rows(title, report["rows"])
+    for name, rows in report.items():
+        listed = name != "rows" and isinstance(rows, list) and rows
+        if listed and all(isinstance(row, dict) for row in rows):
+            _print_rows(f"{report['benchmark']}: {name.replace('_', ' ')}", rows)
+
+
+def _print_rows(title: str, rows: list[dict[str, Any]]) -> None:
     from rich import box
     from rich.table import Table
 
-    rows = report["rows"]
-    if not rows:
-        raise SettingsError("nothing was measured")
-    title = f"{report['benchmark']} on {report.get('adapter', 'this machine')}"
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     for key, value in rows[0].items():
         name = key.replace("_", " ")
