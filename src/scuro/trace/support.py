@@ -20,7 +20,7 @@ EDGE = 16
 """Texels along the edge of an object's table, which is an octahedral map."""
 FROM = 1 << 12
 """Scenes of fewer instances do without: there all objects count as their bounding spheres."""
-_POINTS = 4096
+_POINTS = 1 << 14
 
 _tables: weakref.WeakKeyDictionary[Geometry, NDArray[np.float32]] = weakref.WeakKeyDictionary()
 
@@ -59,12 +59,13 @@ def support_table(solids: Iterable[NDArray[np.float32]], radius: float) -> NDArr
         radius: Of the bounding sphere, which bounds the support, too.
     """
     corners = _directions()
-    flat = corners.reshape(-1, 3).astype(np.float32)
+    flat = np.ones(((EDGE + 1) ** 2, 4), np.float32)  # the radius adds to any of them
+    flat[:, :3] = corners.reshape(-1, 3)
     reach = np.zeros(len(flat), np.float32)
     for points in solids:
         for start in range(0, len(points), _POINTS):
             part = points[start : start + _POINTS]
-            np.maximum(reach, (flat @ part[:, :3].T + part[:, 3]).max(axis=1), out=reach)
+            np.maximum(reach, (flat @ part.T).max(axis=1), out=reach)
     around = _of_texels(reach.reshape(EDGE + 1, EDGE + 1))
     middle = _of_texels(corners).sum(axis=0)
     middle /= np.linalg.norm(middle, axis=-1, keepdims=True)
