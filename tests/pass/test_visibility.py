@@ -151,7 +151,8 @@ def _explained(same, depth, other) -> bool:
         tie = np.abs(depth - other) < 1e-3
     padded = np.pad(depth, 1, mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, (3, 3))
-    edge = windows.max(axis=(2, 3)) - windows.min(axis=(2, 3)) > 0.02
+    with np.errstate(invalid="ignore"):
+        edge = windows.max(axis=(2, 3)) - windows.min(axis=(2, 3)) > 0.02
     return bool(np.all(same | tie | edge | ~np.isfinite(windows).all(axis=(2, 3))))
 
 

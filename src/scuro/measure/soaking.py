@@ -66,4 +66,5 @@ def main(minutes: float = 10.0, *paths: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(*(float(a) for a in sys.argv[1:2]), *sys.argv[2:]))
+    minutes, files = sys.argv[1:2], sys.argv[2:]
+    sys.exit(main(float(minutes[0]), *files) if minutes else main())
