@@ -42,7 +42,7 @@ MODES = {"without semantics": "plain", "screen space": "screen", "traced": "trac
 CALM: dict[str, dict[str, Any]] = {
     "atoms as they are": {"detail": 0.0, "semantic__calm": 0.0},
     "atoms merged": {"semantic__calm": 0.0},
-    "atoms merged, normals and picture calmed": {},
+    "atoms merged, edges smoothed by rays": {},
     "16 samples a pixel": {"detail": 0.0, "semantic__calm": 0.0, "antialias__method": "4x"},
 }
 PICTURES = r"""Pictures of a generated cell of 10⁸ atoms (without semantics, with them, with names
@@ -80,7 +80,7 @@ def section(options: BenchOptions) -> Iterator[str]:
         options.say(f"{name}, cost")
         yield (
             "Growth of the frame by each part, per cent (Table 4.1). The bounce is measured at the "
-            "atoms, all else at view b, as in the thesis; least times of both sides, in turns."
+            "atoms, all else at view b, as in the thesis; medians of both sides in turns."
         )
         here = table_4_1(renderer, scene, options)
         yield grid(
