@@ -70,6 +70,10 @@ def pack_in_steps(
     return found
 
 
+_NORMALS = 1 << 16
+"""Triangles whose normals are packed in one step."""
+
+
 def _pack(
     geometry: Geometry, middle: NDArray[np.float32] | None
 ) -> Generator[float, None, PackedGeometry]:
@@ -125,8 +129,12 @@ def _pack(
     for channel in range(3):
         halves[:, channel] = _LINEAR[colors[:, channel]]
         yield 0.72 + 0.03 * channel
-    if len(t):
-        attributes[triangle_at:, 3] = octahedral(geometry.triangle_normals[t].reshape(-1, 3))
+    for first in range(0, len(t), _NORMALS):
+        here = t[first : first + _NORMALS]
+        packed = octahedral(geometry.triangle_normals[here].reshape(-1, 3))
+        at = triangle_at + 3 * first
+        attributes[at : at + len(packed), 3] = packed
+        yield 0.78 + 0.02 * first / len(t)
 
     rod_kind = np.where(np.isclose(rods[:, 0, 3], rods[:, 1, 3], rtol=1e-5), ROD, CONE)
     primitives = np.concatenate(
