@@ -85,14 +85,14 @@ fn thin_line(pixel: vec2u, texel: vec4f) -> f32 {
     return borders.opacity * max(max(covered.x, covered.y), max(covered.z, covered.w));
 }
 
-// Wider lines: twelve or twenty-four texels on each of the rings around the pixel.
+// Wider lines: the texels on rings around the pixel, so close that none is left out that matters.
 fn wide_line(pixel: vec2u, texel: vec4f) -> f32 {
     let ground = ground_at(pixel, texel);
     let last = vec2i(textureDimensions(surface)) - 1;
     var covered = vec4f(0.0);
-    for (var ring = 1.0; ring < borders.width + 1.0; ring += 1.0) {
+    for (var ring = 1.0; ring < borders.width + 1.5; ring += 1.0) {
         // four at right angles, turned from one to the next
-        let turns = select(3.0, 6.0, ring > 4.0);
+        let turns = 2.0 * ring;
         for (var i = 0.0; i < turns; i += 1.0) {
             let angle = i * 1.57079633 / turns;
             let step = round(ring * vec2f(cos(angle), sin(angle)));
