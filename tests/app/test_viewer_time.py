@@ -16,6 +16,7 @@ from scuro.scene.geometry import Body, Geometry
 from scuro.scene.scene import Scene
 from scuro.viewer.jobs import Jobs, in_thread, in_turns
 from scuro.viewer.model import Model
+from scuro.viewer.player import Player
 from scuro.viewer.saving import FilmSettings, Saving
 from scuro.viewer.view import REST, View
 
@@ -119,6 +120,16 @@ def test_the_end_may_turn_back_or_stop_and_steps_are_whole(model, clock):
     assert player.place == 0
     player.step(-1)
     assert player.place == 2 and model.history.can_undo
+
+
+def test_keys_of_time_do_nothing_where_there_is_none():
+    for scene in (Scene(), None):
+        document = SceneFile(input=(Input("sample:1hpv"),)) if scene is None else SceneFile()
+        model = Model(document, scene)
+        before = model.document
+        for go in (lambda p: p.step(1), lambda p: p.step(-1), lambda p: p.seek(3), Player.toggle):
+            go(model.player)
+        assert model.document == before and not model.player.playing
 
 
 def test_a_film_frame_and_a_rendered_frame_are_where_the_player_is(model, tmp_path):

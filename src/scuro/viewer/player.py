@@ -126,6 +126,8 @@ class Player:
     def seek(self, place: float, gesture: str | None = _GESTURE) -> None:
         """Go to a frame."""
         model = self._model
+        if not self.length:
+            return  # keys come whether there is time or not
         place = min(max(place, 0.0), float(self.length - 1))
         if self.kind == "steps":
             if int(place) != self.place:
