@@ -114,7 +114,7 @@ class Remote:
             ratio = min(max(event["ratio"], 0.25), MOST_RATIO)
             self.screen.resize(event["width"], event["height"], ratio)
         else:
-            self.screen.handle(event)
+            self.screen.take(event)
         self.wake()
 
     async def due(self) -> None:

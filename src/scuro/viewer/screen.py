@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from collections.abc import Callable
@@ -24,6 +25,8 @@ from scuro.viewer.pick import instance_number
 from scuro.viewer.playbar import PlayBar
 from scuro.viewer.probing import Probing
 from scuro.viewer.view import View
+
+log = logging.getLogger(__name__)
 
 _MOST_OUTLINED = 32
 """As in screen.wgsl."""
@@ -101,6 +104,17 @@ class Screen:
         taken = PANEL_WIDTH if self.panel.open and width > 2 * PANEL_WIDTH else 0.0
         self.controls.logical = (width - taken, height)
         self.view.resize(physical(self.controls.logical, self.ratio), self.ratio)
+
+    def take(self, event: dict[str, Any]) -> None:
+        """Act on an event; a fault of our own is told and logged, and ends no window or page."""
+        try:
+            self.handle(event)
+        except Exception as error:
+            log.exception("an event could not be acted on: %s", event.get("event_type"))
+            self.model.message = (
+                f"a fault of scuro itself ({type(error).__name__}: {error}): what was asked for "
+                "may not have happened"
+            )
 
     def handle(self, event: dict[str, Any]) -> None:
         """Act on one event of rendercanvas."""

@@ -171,6 +171,8 @@ class Server:
         return socket
 
     async def _view(self, request: web.Request) -> web.WebSocketResponse:
+        from aiohttp import WSCloseCode
+
         socket = await self._connect(request, browser=True)
         remote = None
         try:
@@ -183,8 +185,9 @@ class Server:
             for task in pending:
                 task.cancel()
             await asyncio.gather(*pending, return_exceptions=True)
-            for task in done:
-                _tell(task.exception())
+            faults = [_tell(task.exception()) for task in done]
+            if why := next(filter(None, faults), ""):
+                await _leave(socket, WSCloseCode.INTERNAL_ERROR, why)
         except ScuroError as error:
             log.warning("a page could not be shown: %s", error)
         finally:
@@ -235,11 +238,12 @@ async def _leave(socket: Any, code: int, why: str) -> None:
         await asyncio.wait_for(socket.close(code=code, message=why.encode()), 2)
 
 
-def _tell(error: BaseException | None) -> None:
-    """Say why a page ended, unless it simply went away."""
+def _tell(error: BaseException | None) -> str:
+    """Say why a page ended, unless it simply went away; the words for its people."""
     if error is None or isinstance(error, (ConnectionError, TimeoutError)):
-        return
-    log.warning("a page ended with %s: %s", type(error).__name__, error)
+        return ""
+    log.error("a page ended", exc_info=error)
+    return f"a fault of scuro itself, {type(error).__name__}"
 
 
 def run(server: Server, host: str, port: int, ready: Callable[[int], None]) -> None:

@@ -44,7 +44,7 @@ def attach(canvas: Any, loop: Any, model: Model, renderer: Renderer) -> Screen:
             loop.call_later(wait, canvas.request_draw)
 
     def handle(event: dict[str, Any]) -> None:
-        screen.handle(event)
+        screen.take(event)
         canvas.request_draw()
 
     canvas.add_event_handler(handle, *_EVENTS)
@@ -96,7 +96,7 @@ def open_window(model: Model, renderer: Renderer) -> Screen:
             return
         event, wait = pad.look()
         if event is not None:
-            screen.handle(event)
+            screen.take(event)
             canvas.request_draw()
         loop.call_later(wait, look)
 
