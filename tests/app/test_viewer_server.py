@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
+from serving import RESIZE, closed, picture, rested, served, view
 
 from scuro.errors import SettingsError
 from scuro.export.scene_file import Input, SceneFile, Show
@@ -21,9 +22,7 @@ aiohttp = pytest.importorskip("aiohttp", reason="needs the viewer extra")
 pytest.importorskip("imgui_bundle", reason="needs the viewer extra")
 
 from scuro.viewer.screen import LARGEST, MOST_PIXELS, Screen  # noqa: E402
-from scuro.viewer.server import LONGEST_MESSAGE, MESSAGES, MOST_FAULTS, Server  # noqa: E402
-
-RESIZE = {"type": "resize", "width": 700.0, "height": 64.0, "ratio": 1.0}
+from scuro.viewer.server import LONGEST_MESSAGE, MESSAGES, MOST_FAULTS  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -35,53 +34,6 @@ def renderer():
 def model():
     document = SceneFile(input=(Input(path="sample:1hpv"),), show=(Show(style="spacefill"),))
     return Model(document)
-
-
-def served(renderer, model, scenario, access=None, most=3, extra=None):
-    """Run ``scenario(session, base, server)`` against a server of its own."""
-
-    async def main():
-        from aiohttp import web
-
-        server = Server(
-            lambda deliver: Screen(model, renderer, "rgba8unorm", deliver),
-            access or Access.for_host("127.0.0.1"),
-            most,
-            extra,
-        )
-        runner = web.AppRunner(server.application(), access_log=None, shutdown_timeout=0.1)
-        await runner.setup()
-        await web.TCPSite(runner, "127.0.0.1", 0).start()
-        base = f"http://127.0.0.1:{runner.addresses[0][1]}"
-        try:
-            async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as session:
-                await asyncio.wait_for(scenario(session, base, server), 60)
-        finally:
-            await runner.cleanup()
-
-    asyncio.run(main())
-
-
-def view(session, base, origin="own", **options):
-    headers = {} if origin is None else {"Origin": base if origin == "own" else origin}
-    return session.ws_connect(base + "/view", headers=headers, max_msg_size=0, **options)
-
-
-async def picture(socket, timeout=30):
-    """The next picture's header and bytes."""
-    header = json.loads((await socket.receive(timeout)).data)
-    data = (await socket.receive(timeout)).data
-    if header["type"] == "picture":
-        await socket.send_json({"type": "shown", "index": header["index"]})
-    return header, data
-
-
-async def rested(socket):
-    """Pictures until the lossless one."""
-    while True:
-        header, data = await picture(socket)
-        if header.get("mimetype") == "image/png":
-            return data
 
 
 def test_only_loopback_goes_without_a_token():
@@ -268,13 +220,6 @@ def test_the_panel_offers_no_setting_that_reads_a_file_unguarded(model):
     assert 'without=("keys", "to_look")' in inspect.getsource(FilesPart.save)
 
 
-async def closed(socket):
-    """The code a socket is closed with."""
-    async for _ in socket:
-        pass
-    return socket.close_code
-
-
 def test_the_size_of_pictures_is_bounded(renderer, model):
     screen = Screen(model, renderer, "rgba8unorm", lambda name, write: "")
     for size in ((1e6, 1e6), (1e6, 1.0), (3000.0, 2000.0)):
@@ -300,6 +245,7 @@ def test_the_size_of_pictures_is_bounded(renderer, model):
         '{"type": "pointer_down", "x": true, "y": 1, "button": 1}',
         '{"type": "key_down", "key": 5}',
         '{"type": "char", "data": "%s"}' % ("x" * 100),
+        '{"type": "char", "data": "\\ud800"}',
         '{"type": "key_down", "key": "a", "modifiers": "Shift"}',
         '{"type": "key_down", "key": "a", "modifiers": [1]}',
         '{"type": "shown", "index": %s}' % ("9" * 4000),
@@ -320,6 +266,7 @@ def test_only_named_files_and_those_below_the_root_open(tmp_path):
     (root / "deep" / "notes.txt").write_text("x")
     os.symlink(outside, root / "link.pdb")
     os.symlink(tmp_path, root / "up")
+    os.symlink(root / "circle", root / "circle")
     start = SceneFile(input=(Input(path=str(outside)),))
     files = Files.of(SceneFile(input=(Input(path="sample:1hpv"),)), str(root))
 
@@ -331,6 +278,7 @@ def test_only_named_files_and_those_below_the_root_open(tmp_path):
     for path in (
         outside, root / "link.pdb", root / "up" / "secret.pdb", root / ".." / "secret.pdb",
         f"{root}/deep/../../secret.pdb", "/etc/passwd", "1abc", "-", str(root) + "x/y.pdb",
+        f"{root}/a\0.pdb", root / "circle", f"{root}/deep/" + "x" * 5000,
     ):  # fmt: skip
         with pytest.raises(SettingsError, match="not among the files"):
             files.check(document(path))

@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 
 from scuro.errors import SettingsError
 from scuro.export.scene_file import SceneFile
+from scuro.load.fetch import is_pdb_id
 
 COOKIE = "scuro_token"
 _LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
@@ -111,8 +112,15 @@ class Files:
 
     def may_open(self, path: str) -> bool:
         """Whether a path, with all links followed, is one of them."""
-        real = _resolved(path)
-        return real in self.named or (self.root is not None and real.is_relative_to(self.root))
+        try:
+            real = _resolved(path)
+            if real in self.named:
+                return True
+            below = self.root is not None and real.is_relative_to(self.root)
+            # a PDB ID would be downloaded, and a dash waits for what is typed at the server
+            return below and path != "-" and (real.exists() or not is_pdb_id(path))
+        except (OSError, ValueError, RuntimeError):  # no path at all, or links in a circle
+            return False
 
     def listing(self) -> list[str]:
         """Files of known endings below the folder, sorted, at most :data:`MOST_LISTED`."""
@@ -135,16 +143,19 @@ def _readable(path: Path) -> bool:
 
 
 def _resolved(path: str) -> Path:
-    return Path(path).resolve()
+    # as it is opened: a ~ is a home
+    return Path(path).expanduser().resolve()
 
 
 def _paths(document: SceneFile) -> list[str]:
     """Everything in a document that scuro would open.
 
     Any text setting may be the name of a file (a transfer function, a trajectory, a map): each one
-    that names an existing path counts. PDB IDs and samples name none.
+    that names an existing path counts, and a trajectory or a folder of structures always does.
+    Samples are no files.
     """
     found = [line.path for line in document.input]
+    found += [p for p in (document.load.trajectory, document.load.structures) if p is not None]
     for group in (document.load, document.settings):
         found += [text for text in _texts(group.as_dict()) if _names_a_file(text)]
     return [p for p in found if not p.startswith("sample:")]

@@ -138,6 +138,10 @@ class Model:
             before: What is shown, if that is not the history's present.
         """
         new, old = state.document, (before or self.history.present).document
+        try:
+            self._guard(new)
+        except ScuroError:
+            return False  # nothing is read before; _apply meets the same error, and tells it
         if new.input != old.input:
             if self._read is not None and self._read.document == new:
                 return False

@@ -234,7 +234,7 @@ def stream_handler(model: Any) -> Callable[[Any], Any]:
                 answer = model.probe.state()
             except SettingsError as error:
                 answer = {"error": str(error)}
-            except (ValueError, TypeError, OverflowError):
+            except (ValueError, TypeError, OverflowError, RecursionError):
                 answer = {"error": 'send {"target": [x, y, z]} in ångström'}
             await socket.send_str(json.dumps(answer))
             await asyncio.sleep(0)  # one that sends without end leaves others their turn

@@ -63,7 +63,7 @@ def read_event(text: str) -> dict[str, Any] | None:
     for name in EVENTS[kind]:
         value = message.get(name)
         if name in _WORDS:
-            if not isinstance(value, str) or len(value) > LONGEST_WORD:
+            if not isinstance(value, str) or len(value) > LONGEST_WORD or _broken(value):
                 raise ValueError(f"bad {name}")
         elif (
             isinstance(value, bool)
@@ -77,6 +77,11 @@ def read_event(text: str) -> dict[str, Any] | None:
         raise ValueError("bad modifiers")
     event["modifiers"] = tuple(modifiers[:8])
     return event
+
+
+def _broken(word: str) -> bool:
+    """Whether a word holds half a character (a lone surrogate), which is no text."""
+    return any("\ud800" <= letter <= "\udfff" for letter in word)
 
 
 class Remote:

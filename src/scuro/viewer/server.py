@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from scuro.errors import MissingExtraError, ScuroError
 from scuro.viewer.access import COOKIE, Access
+from scuro.viewer.listening import listening
 from scuro.viewer.remote import Remote, read_event
 from scuro.viewer.screen import Screen
 
@@ -32,6 +33,7 @@ MESSAGES = 400
 MOST_FAULTS = 20
 """Messages without sense after which a page is sent away."""
 _HEARTBEAT = 20.0
+"""Seconds between two questions whether a page is still there."""
 _SLOWEST_SEND = 30.0
 """Seconds after which a page that does not take its picture is given up."""
 _HEADERS = {
@@ -262,23 +264,15 @@ def run(server: Server, host: str, port: int, ready: Callable[[int], None]) -> N
 
 
 async def _run(server: Server, host: str, port: int, ready: Callable[[int], None]) -> None:
-    from aiohttp import web
-
-    runner = web.AppRunner(server.application(), access_log=None, shutdown_timeout=1.0)
-    await runner.setup()
-    try:
-        site = web.TCPSite(runner, host, port)
+    async with contextlib.AsyncExitStack() as stack:
         try:
-            await site.start()
+            bound = await stack.enter_async_context(listening(server.application(), host, port))
         except OSError as error:
             raise ScuroError(
                 f"cannot listen on {host}:{port} ({error.strerror}): choose another --port"
             ) from None
-        assert runner.addresses
-        ready(runner.addresses[0][1])
+        ready(bound)
         await asyncio.Event().wait()
-    finally:
-        await runner.cleanup()
 
 
 def need_web() -> None:
