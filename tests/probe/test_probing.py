@@ -69,6 +69,16 @@ def test_its_light_and_plane_are_in_the_drawn_scene_and_go_with_it(probing):
     assert not model.dressed(view.camera).clip.planes
 
 
+def test_recording_ends_at_so_many_places(probing, monkeypatch):
+    monkeypatch.setattr("scuro.probe.probe.MOST_PLACES", 5)
+    probe = probing.probe
+    for _ in range(2):
+        probe.recording = True
+        for _ in range(12):
+            probing.key("ArrowRight")
+        assert len(probe.path) == 5 and not probe.recording
+
+
 def test_a_path_is_recorded_saved_and_replayed(probing, tmp_path):
     probe = probing.probe
     probe.recording = True

@@ -31,6 +31,8 @@ _WARM = (1.0, 0.82, 0.58)
 """Linear colour of the probe's light: told from the others."""
 _RECORD_STEP = 0.05
 """Å between recorded places."""
+MOST_PLACES = 50_000
+"""Places of a path, at which recording ends: more would slow every picture that shows it."""
 
 
 class ProbeSettings(SettingsGroup):
@@ -113,6 +115,9 @@ class Probe:
         }
 
     def _record(self) -> None:
+        if len(self.path) >= MOST_PLACES:
+            self.recording = False
+            return
         place = self.position.tolist()
         if not self.path or np.linalg.norm(np.subtract(place, self.path[-1])) >= _RECORD_STEP:
             self.path.append(place)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from scuro.probe.probe import MOST_PLACES
 from scuro.viewer.panel.groups import Groups, buttons, heading
 from scuro.viewer.probing import Probing
 from scuro.viewer.saving import Saving
@@ -38,6 +39,7 @@ class ProbePart:
         imgui.text(f"at {x:.2f}, {y:.2f}, {z:.2f} Å")
         imgui.text(f"force {float(np.linalg.norm(probe.force)):.3g} pN")
         _, probe.recording = imgui.checkbox("record its path", probe.recording)
+        imgui.set_item_tooltip(f"Ends at {MOST_PLACES:,} places")
         imgui.same_line()
         imgui.text_disabled(f"{len(probe.path)} places")
         some = bool(probe.path)
