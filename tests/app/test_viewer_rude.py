@@ -14,6 +14,7 @@ from scuro.app.serve import command
 from scuro.errors import SettingsError
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.load.options import LoadOptions
+from scuro.probe.probe import ProbeSettings
 from scuro.viewer import access, listening, server
 from scuro.viewer.access import Access, Files
 from scuro.viewer.model import Model
@@ -137,7 +138,8 @@ def test_a_page_that_takes_no_pictures_is_given_up(monkeypatch):
         closed = False
 
         async def send_str(self, text):
-            await asyncio.sleep(20)
+            await asyncio.sleep(1)
+            raise AssertionError("it waited for a page that takes nothing")
 
     class Pictures:
         async def due(self):
@@ -147,7 +149,7 @@ def test_a_page_that_takes_no_pictures_is_given_up(monkeypatch):
             yield "{}"
 
     with pytest.raises(TimeoutError):
-        asyncio.run(asyncio.wait_for(server._paint(Stuck(), Pictures()), 5))
+        asyncio.run(server._paint(Stuck(), Pictures()))
 
 
 def test_pictures_wait_until_the_last_but_one_was_shown(renderer, model):
@@ -157,13 +159,15 @@ def test_pictures_wait_until_the_last_but_one_was_shown(renderer, model):
             async with view(session, base) as page:
                 await page.send_json({"type": "shown", "index": shown})
                 await page.send_json(RESIZE)
-                taken = 0
+                for _ in range(4):
+                    await page.receive(20)
+                taken = 4
                 for key in "xyzxyz":
                     await page.send_json({"type": "key_down", "key": key, "modifiers": []})
                     with contextlib.suppress(asyncio.TimeoutError):
                         while await page.receive(0.2):
                             taken += 1
-                assert 2 <= taken / 2 <= most, "each has a header"
+                assert taken / 2 <= most, "each has a header"
 
     served(renderer, model, scenario)
 
@@ -238,6 +242,8 @@ def test_tokens_are_compared_in_constant_time(monkeypatch):
 
 
 def test_programs_connect_to_the_probe_on_the_same_terms(renderer, model):
+    pytest.importorskip("numba", reason="needs the viewer extra")
+    model.set_probe(ProbeSettings(light=False))
     extra = {"/probe": stream_handler(model)}
 
     async def refused(session, url, status, **headers):

@@ -244,6 +244,7 @@ def test_the_size_of_pictures_is_bounded(renderer, model):
         '{"type": "pointer_down", "x": "1", "y": 1, "button": 1}',
         '{"type": "pointer_down", "x": true, "y": 1, "button": 1}',
         '{"type": "key_down", "key": 5}',
+        '{"type": "eval", "data": "1"}',
         '{"type": "char", "data": "%s"}' % ("x" * 100),
         '{"type": "char", "data": "\\ud800"}',
         '{"type": "key_down", "key": "a", "modifiers": "Shift"}',

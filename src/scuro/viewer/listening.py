@@ -2,49 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
 PATIENCE = 10.0
 """Seconds that a connection may take for its first request, and be idle between two."""
-
-
-class _Silence:
-    """The connections that did not ask for anything yet."""
-
-    def __init__(self) -> None:
-        self._silent: set[Any] = set()
-
-    def connections(self, make: Callable[[], Any]) -> Callable[[], Any]:
-        """Make connections, and cut each that does not speak in time."""
-
-        def connection() -> Any:
-            made = make()
-            self._silent.add(made)
-            asyncio.get_running_loop().call_later(PATIENCE, self._cut, made)
-            return made
-
-        return connection
-
-    def middleware(self) -> Any:
-        """Notes who spoke."""
-        from aiohttp import web
-
-        @web.middleware
-        async def heard(request: web.Request, handler: Any) -> web.StreamResponse:
-            self._silent.discard(request.protocol)
-            response: web.StreamResponse = await handler(request)
-            return response
-
-        return heard
-
-    def _cut(self, connection: Any) -> None:
-        if connection in self._silent:
-            self._silent.discard(connection)
-            if connection.transport is not None:
-                connection.transport.abort()
 
 
 @asynccontextmanager
@@ -61,19 +24,13 @@ async def listening(application: Any, host: str, port: int) -> AsyncIterator[int
     """
     from aiohttp import web
 
-    silence = _Silence()
-    application.middlewares.insert(0, silence.middleware())
+    # aiohttp counts the time for the first request as idle, too; left to itself, it waits an hour
     runner = web.AppRunner(
         application, access_log=None, shutdown_timeout=0.5, keepalive_timeout=PATIENCE
     )
     await runner.setup()
-    listener = None
     try:
-        assert runner.server is not None
-        make = silence.connections(runner.server)
-        listener = await asyncio.get_running_loop().create_server(make, host, port)
-        yield listener.sockets[0].getsockname()[1]
+        await web.TCPSite(runner, host, port).start()
+        yield runner.addresses[0][1]
     finally:
-        if listener is not None:
-            listener.close()
         await runner.cleanup()
