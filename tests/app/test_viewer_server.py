@@ -298,3 +298,26 @@ def test_a_page_cannot_make_the_model_open_another_file(model):
     guarded = Model(model.document, model.scene, guard=files.check)
     assert not guarded.open_path("/etc/passwd")
     assert "not among the files" in guarded.message and guarded.scene is model.scene
+
+
+def test_files_that_lead_to_others_lead_nowhere_else(tmp_path):
+    from scuro.errors import LoadError
+    from scuro.load.source import confined, open_source
+
+    root, started = tmp_path / "root", tmp_path / "started"
+    for folder in (root, started, started / "proteins"):
+        folder.mkdir()
+    secret = tmp_path / "secret.grdecl"
+    inside, beside = root / "a.grdecl", started / "proteins" / "b.pdb"
+    for file in (secret, inside, beside, started / "model.json"):
+        file.write_text("x")
+    os.symlink(secret, root / "link.grdecl")
+    document = SceneFile(input=(Input(str(started / "model.json")), Input("sample:1hpv")))
+    with confined(Files.of(document, str(root)).may_follow):
+        assert open_source(inside).path and open_source(beside).path
+        assert open_source("sample:1tii").path
+        here = Path(__file__)  # the working directory is no place that a sample's name opens
+        for path in (secret, root / "link.grdecl", root / ".." / "secret.grdecl", here):
+            with pytest.raises(LoadError, match="not among the files"):
+                open_source(path)
+    assert open_source(secret).path

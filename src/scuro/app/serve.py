@@ -28,6 +28,7 @@ def command(
     Only this machine can connect, unless --host is given: then whoever has the link that is
     printed, with its token. Stop with Ctrl+C.
     """
+    from scuro.load.source import confined
     from scuro.render import Renderer
     from scuro.viewer.access import Access, Files
     from scuro.viewer.model import Model
@@ -39,7 +40,7 @@ def command(
     document = take_document(values)
     files = Files.of(document, root)
     access = Access.for_host(host)
-    with stage("reading"):
+    with stage("reading"), confined(files.may_follow):
         model = Model(document, guard=files.check)
     renderer = Renderer(device)
 
@@ -55,4 +56,6 @@ def command(
                 err=True,
             )
 
-    run(Server(make_screen, access, clients, {"/probe": stream_handler(model)}), host, port, ready)
+    server = Server(make_screen, access, clients, {"/probe": stream_handler(model)})
+    with confined(files.may_follow):
+        run(server, host, port, ready)

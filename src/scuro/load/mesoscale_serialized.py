@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scuro.errors import LoadError
 from scuro.load.mesoscale_cellpack import coarse_spheres
 from scuro.load.mesoscale_structures import StructureLibrary, finite_places, unit_quaternions
-from scuro.load.source import Source
+from scuro.load.source import Source, open_source
 from scuro.scene.model import Ingredient, MesoscaleModel, Part
 
 DEEPEST = 64
@@ -106,7 +106,7 @@ def _binary_beside(source: Source) -> Path:
 
 def _placements(binary: Path) -> tuple[NDArray, NDArray, NDArray[np.int64]]:
     """Right-handed positions (N, 3), quaternions (N, 4) x, y, z, w and ingredient ids (N,)."""
-    data = binary.read_bytes()
+    data = open_source(binary).data
     if not data or len(data) % 32:
         raise LoadError(
             binary, "does not hold placements: its size is not a multiple of 32 bytes an instance"

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from scuro.errors import LoadError
 from scuro.load.options import LoadOptions
-from scuro.load.source import Source
+from scuro.load.source import Source, open_source
 from scuro.scene.geometry import rotation_matrices
 from scuro.scene.model import Structure
 from scuro.scene.molecule import Molecule
@@ -135,7 +135,7 @@ def read_structure_spheres(path: Path, copies: bool = False) -> Structure:
 
 def read_sphere_file(path: Path) -> Structure:
     """Little-endian float32 x, y, z, radius for every sphere; already centred."""
-    data = path.read_bytes()
+    data = open_source(path).data
     if not data or len(data) % 16:
         raise LoadError(path, "is not a sphere file: its size is not a multiple of 16 bytes")
     spheres = np.frombuffer(data, "<f4").reshape(-1, 4)

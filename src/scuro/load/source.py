@@ -6,6 +6,8 @@ import gzip
 import io
 import sys
 import zlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
@@ -90,6 +92,24 @@ class Source:
         return io.StringIO(self.text, newline=None)
 
 
+_may_read: Callable[[Path], bool] | None = None
+
+
+@contextmanager
+def confined(may_read: Callable[[Path], bool]) -> Iterator[None]:
+    """Let this process read only files that ``may_read`` allows, also those that others lead to.
+
+    For servers: what a page opens may name any file of the machine (``INCLUDE``, structures). It
+    holds for all threads: files are read beside the pages.
+    """
+    global _may_read
+    before, _may_read = _may_read, may_read
+    try:
+        yield
+    finally:
+        _may_read = before
+
+
 def open_source(name: str | Path) -> Source:
     """Find what the user means.
 
@@ -106,6 +126,8 @@ def open_source(name: str | Path) -> Source:
     path = Path(text).expanduser()
     try:
         if path.exists():
+            if _may_read is not None and not _may_read(path):
+                raise LoadError(text, "is not among the files that are served here")
             return Source(text, path)
     except OSError as error:
         raise LoadError(text[:80], f"cannot be read ({error.strerror})") from None

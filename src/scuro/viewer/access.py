@@ -122,6 +122,17 @@ class Files:
         except (OSError, ValueError, RuntimeError):  # no path at all, or links in a circle
             return False
 
+    def may_follow(self, path: Path) -> bool:
+        """Whether a file may be read that another leads to: also beside and below named files."""
+        try:
+            real = path.resolve()
+        except (OSError, ValueError, RuntimeError):
+            return False
+        if self.root is not None and real.is_relative_to(self.root):
+            return True
+        # samples and PDB IDs are no files: they open no folder
+        return any(file.exists() and real.is_relative_to(file.parent) for file in self.named)
+
     def listing(self) -> list[str]:
         """Files of known endings below the folder, sorted, at most :data:`MOST_LISTED`."""
         if self.root is None:
