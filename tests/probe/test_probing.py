@@ -14,7 +14,10 @@ from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.probe.probe import Probe, ProbeSettings, placed_atoms, read_path
 from scuro.render import Renderer
 from scuro.scene.scene import Scene
+from scuro.viewer.controls import Controls
+from scuro.viewer.handles import Handles
 from scuro.viewer.model import Model
+from scuro.viewer.navigate import project
 from scuro.viewer.probing import Probing, stream_handler
 from scuro.viewer.view import View
 
@@ -41,6 +44,41 @@ def test_it_starts_outside_the_atoms_and_keys_never_carry_it_in(probing):
         assert probe.constraint.depth(probe.position) < 0
     assert np.linalg.norm(probe.position - start) > 1
     assert probing.key("p") and probing.probe is None and not probing.key("ArrowUp")
+
+
+def test_the_mouse_drags_it_over_the_surface_and_lets_the_hand_spring_back(probing):
+    view, size = probing.view, (640.0, 480.0)
+    controls = Controls(view, Handles(view), probing)
+    controls.logical = size
+    probe, camera = probing.probe, view.camera
+
+    def at():
+        return project(camera, [probe.position], size)[0, :2]
+
+    def send(kind, point):
+        held = () if kind == "pointer_up" else (1,)
+        event = {"event_type": kind, "x": point[0], "y": point[1], "button": 1, "buttons": held}
+        controls.handle({**event, "modifiers": ()})
+
+    out = camera.view_from_world()[2, :3]
+    probe.move(view.model.scene.bounds().mean(axis=0) + 80 * out)  # free, toward the eye
+    start, aside = at(), at() + np.array((40, -25))
+    send("pointer_down", start)
+    send("pointer_move", aside)
+    assert at() == pytest.approx(aside, abs=0.5)
+    send("pointer_up", aside)
+    assert view.camera == camera and not probe.force.any()
+    # behind the foremost atoms, and then sideways into the molecule
+    probe.move(view.model.scene.bounds().mean(axis=0) + 60 * camera.view_from_world()[0, :3])
+    start, center = at(), np.array(size) / 2
+    send("pointer_down", start)
+    for share in np.linspace(0, 1, 40):
+        send("pointer_move", start + share * (center - start))
+        assert probe.constraint.depth(probe.position) < 0
+    assert probe.force.any() and np.linalg.norm(at() - center) > 20
+    send("pointer_up", center)
+    assert not probe.force.any()
+    assert view.camera == camera  # it was held: nothing turned
 
 
 def test_force_is_stiffness_times_the_way_the_hand_is_inside(probing):
