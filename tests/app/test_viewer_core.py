@@ -16,6 +16,7 @@ from scuro.viewer.model import Model
 from scuro.viewer.pacing import SMALLEST, Pacing, moving_size
 from scuro.viewer.pick import sentence
 from scuro.viewer.refine import coarse, steps
+from scuro.viewer.under import surface_at, words_at
 from scuro.viewer.view import REST, View
 
 SIZE = (160, 120)
@@ -174,12 +175,12 @@ def test_a_click_names_the_atom_that_the_ids_say_and_shift_adds(view, controls, 
     assert len(view.selection) == 2
     for kind in ("pointer_down", "pointer_up"):
         controls.handle(event(kind, 1, 1))
-    assert view.selection == [] and view.describe(0.01, 0.01) == ""
+    assert view.selection == [] and words_at(view, 0.01, 0.01) == ""
 
 
 def test_double_click_centres_on_the_atom(view, controls, clock):
     rest(view, clock)
-    found = view.pick(0.55, 0.45)
+    found = surface_at(view, 0.55, 0.45)
     controls.handle(event("double_click", 0.55 * 160, 0.45 * 120))
     assert view.camera.target == pytest.approx(tuple(found.anchor))
 

@@ -86,7 +86,7 @@ def test_why_nothing_can_be_drawn_is_said_until_it_can(renderer):
     screen.close()
 
 
-def test_words_under_a_pointer_at_rest_change_with_the_scene(renderer):
+def test_words_under_a_pointer_at_rest_change_with_the_scene(renderer, monkeypatch):
     screen = screen_of(renderer, (300.0, 200.0))
     rest(screen)
     move(screen, 150.0, 100.0)
@@ -94,7 +94,9 @@ def test_words_under_a_pointer_at_rest_change_with_the_scene(renderer):
     before = screen._hover
     assert "chain" in before
     asked = []
-    screen.view.describe = lambda x, y: asked.append((x, y)) or "another"
+    monkeypatch.setattr(
+        "scuro.viewer.screen.words_at", lambda view, x, y: asked.append((x, y)) or "another"
+    )
     screen.model.change(show=(Show(style="cartoon"),))
     rest(screen)
     assert screen._hover == "another" and len(asked) >= 1

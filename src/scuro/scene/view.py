@@ -79,6 +79,21 @@ class ViewSettings(SettingsGroup):
         None, "upward direction of the picture", check=_check_up
     )
 
+    @classmethod
+    def of(cls, camera: Camera) -> ViewSettings:
+        """A camera as settings, for scene files and pictures."""
+        fov = camera.fov
+        if camera.height is not None:
+            # an orthographic view is stored by its height at the target: the angle gives it back
+            fov = math.degrees(2 * math.atan(camera.height / 2 / camera.distance))
+        return cls(
+            position=camera.position,
+            target=camera.target,
+            up=camera.up,
+            fov=min(160.0, max(0.1, fov)),
+            orthographic=camera.orthographic,
+        )
+
 
 def view_camera(
     scene: Scene,

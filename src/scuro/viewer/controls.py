@@ -13,7 +13,9 @@ from typing import Any
 from scuro.viewer import navigate
 from scuro.viewer.handles import Handles
 from scuro.viewer.probing import Probing
+from scuro.viewer.under import depth_at, surface_at
 from scuro.viewer.view import View
+from scuro.viewer.windowing import adjust_window, toggle_windowing
 
 LEFT, RIGHT, MIDDLE = 1, 2, 3
 TURN, SHIFT, ZOOM = "turn", "shift", "zoom"
@@ -119,7 +121,7 @@ class Controls:
         if does == TURN:
             return self._roll if navigate.on_rim(point, self.logical) else self._orbit
         if does is not None:
-            self._depth = self.view.depth(*self._relative(point))
+            self._depth = depth_at(self.view, *self._relative(point))
         return {SHIFT: self._pan, ZOOM: self._zoom_by_drag, None: None}.get(does)
 
     def _move(self, event: dict[str, Any]) -> None:
@@ -136,14 +138,14 @@ class Controls:
             return
         if max(abs(point[0] - start[0]), abs(point[1] - start[1])) <= _CLICK:
             add = "Shift" in event.get("modifiers", ())
-            self.view.select(self.view.pick(*self._relative(point)), add)
+            self.view.select(surface_at(self.view, *self._relative(point)), add)
 
     def _leave(self, event: dict[str, Any]) -> None:
         self.pointer = None
 
     def _double(self, event: dict[str, Any]) -> None:
         x, y = self._relative((event["x"], event["y"]))
-        found = self.view.pick(x, y)
+        found = surface_at(self.view, x, y)
         if found is not None:
             self.view.move(navigate.centered(self.view.camera, found.anchor))
 
@@ -153,7 +155,7 @@ class Controls:
         if "Shift" in event.get("modifiers", ()):
             self.handles.advance(notches)
             return
-        depth = self.view.depth(*self._relative(point))
+        depth = depth_at(self.view, *self._relative(point))
         camera = self.view.camera
         anchor = navigate.unproject(camera, point, self.logical, depth)
         self.view.move(navigate.zoom(camera, _STEP**notches, anchor))
@@ -173,7 +175,8 @@ class Controls:
     def _window(self, last: tuple[float, float], now: tuple[float, float]) -> None:
         """To the right widens the window, down lowers its level: as radiologists know it."""
         width, height = self.logical
-        self.view.adjust_window((now[0] - last[0]) / width, (last[1] - now[1]) / height)
+        wider, higher = (now[0] - last[0]) / width, (last[1] - now[1]) / height
+        adjust_window(self.view.model, wider, higher)
 
     def _pan(self, last: tuple[float, float], now: tuple[float, float]) -> None:
         move = (now[0] - last[0], now[1] - last[1])
@@ -228,7 +231,7 @@ _KEYS: dict[str, Callable[[Controls], None]] = {
     "c": lambda c: c.handles.add_plane(),
     "b": lambda c: c.handles.toggle_cube("none"),
     "n": lambda c: c.handles.toggle_cube("backbone"),
-    "w": lambda c: c.view.toggle_windowing(),
+    "w": lambda c: toggle_windowing(c.view),
     " ": lambda c: c.view.model.player.toggle(),
     ",": lambda c: c.view.model.player.step(-1),
     ".": lambda c: c.view.model.player.step(1),

@@ -21,10 +21,9 @@ from scuro.passes.compose.lighting import PRESETS
 from scuro.probe.probe import Probe, ProbeSettings
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
-from scuro.scene.clip import Clip, Cut, Plane
+from scuro.scene.clip import Clip
 from scuro.scene.scene import Scene
-from scuro.settings import parameters
-from scuro.style.options import Representation
+from scuro.viewer.describing import cut_of, cuts_of, shows_of
 from scuro.viewer.history import History, State
 from scuro.viewer.player import Player
 from scuro.viewer.restyle import Reading, Restyle
@@ -55,9 +54,9 @@ class Model:
         self._guard = guard
         self.scene = scene or document.scene()
         if scene is not None and not document.clip:
-            document = replace(document, clip=tuple(map(cut_of, scene.clip.planes)))
+            document = replace(document, clip=cuts_of(scene))
         if not document.show and self.scene.molecules:
-            document = replace(document, show=_shows(self.scene) or (Show(),))
+            document = replace(document, show=shows_of(self.scene) or (Show(),))
         self.middle = self.scene.bounds().mean(axis=0)
         """(3,) the scene's middle when it was read, from which cuts without a point count."""
         self.history = History(State(document))
@@ -298,24 +297,3 @@ class Model:
             SaveError: It cannot be written.
         """
         write_scene_file(path, document or self.document)
-
-
-def cut_of(plane: Plane) -> Cut:
-    """A plane as scene files have it."""
-    return Cut(normal=plane.normal, point=plane.point)
-
-
-def _shows(scene: Scene) -> tuple[Show, ...]:
-    """How a scene made in a program shows its first molecule, as the document has it."""
-    sizes = {p.name for p in parameters(Representation)}
-    return tuple(
-        Show(
-            style=shown.style,
-            color=shown.color,
-            select=shown.select,
-            opacity=shown.material.opacity,
-            context=shown.context,
-            sizes=Representation(**{k: v for k, v in shown.options if k in sizes}),
-        )
-        for shown in scene.molecules[0].shown
-    )

@@ -24,6 +24,7 @@ from scuro.viewer.panel import Panel
 from scuro.viewer.pick import instance_number
 from scuro.viewer.playbar import PlayBar
 from scuro.viewer.probing import Probing
+from scuro.viewer.under import words_at
 from scuro.viewer.view import View
 
 log = logging.getLogger(__name__)
@@ -200,7 +201,7 @@ class Screen:
         if asked != self._asked:
             self._asked = asked
             width, height = self.controls.logical
-            self._hover = self.view.describe(pointer[0] / width, pointer[1] / height)
+            self._hover = words_at(self.view, pointer[0] / width, pointer[1] / height)
 
     def _show(self, drawn: Drawn | None, target: Any) -> None:
         recorder = self.gpu.recorder()

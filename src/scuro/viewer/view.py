@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -13,16 +12,13 @@ from scuro.render import Renderer
 from scuro.render_marks import SMALLEST_TEXT, text_size
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
-from scuro.scene.reservoir import ReservoirItem
 from scuro.scene.view import ViewSettings, scene_points, view_camera
 from scuro.viewer import navigate
-from scuro.viewer.cell import cell_at, cell_sentence
 from scuro.viewer.drawing import Drawing, Drawn
 from scuro.viewer.model import Model
 from scuro.viewer.pacing import GPU_TARGET, SOFTWARE_TARGET, Pacing, moving_size
-from scuro.viewer.pick import Pick, pick, sentence
+from scuro.viewer.pick import Pick
 from scuro.viewer.refine import Step, coarse, plain, steps
-from scuro.viewer.voxel import voxel_at, voxel_sentence
 
 REST = 0.25
 """Seconds without a change after which the picture is no longer moving."""
@@ -298,70 +294,6 @@ class View:
         bounds = scene.bounds()
         self.move(navigate.fit(self.camera, bounds, aspect, points if len(points) else None))
 
-    def toggle_windowing(self) -> None:
-        """Drags set window and level of the volume, or turn again."""
-        self.windowing = not self.windowing and bool(self.model.scene.volumes)
-        self.changed()
-
-    def adjust_window(self, wider: float, higher: float) -> None:
-        """Change window and level of the volume by shares of its range of values."""
-        model = self.model
-        if not model.scene.volumes:
-            return
-        low, high = model.scene.volumes[0].volume.value_range
-        span = (high - low) or 1.0
-        settings = model.settings.volume
-        window = span if settings.window is None else settings.window
-        level = (low + high) / 2 if settings.level is None else settings.level
-        window = min(max(window + wider * span, span / 256), 2 * span)
-        level = min(max(level + higher * span, low - span / 2), high + span / 2)
-        changed = model.settings.replace(volume__window=window, volume__level=level)
-        model.change("window", settings=changed)
-
-    # --- what is under the pointer -----------------------------------------------------------
-
-    def pick(self, x: float, y: float) -> Pick | None:
-        """The surface at (x, y), each 0 to 1 from the upper left; ``None`` if there is none."""
-        if self.drawn is None or not self.drawable:
-            return None
-        return pick(self.drawn, self.model.scene, x, y)
-
-    def describe(self, x: float, y: float) -> str:
-        """What is there in words: an atom, a cell, a voxel; empty if nothing."""
-        found = self.pick(x, y)
-        if found is not None and not _is_cells(found):
-            return sentence(found)
-        inside = self._inside(x, y)
-        if inside is None:
-            return "" if found is None else sentence(found)
-        item, (index, value, _) = inside
-        tell = cell_sentence if isinstance(item, ReservoirItem) else voxel_sentence
-        return tell(item, index, value)
-
-    def depth(self, x: float, y: float) -> float:
-        """Distance along the viewing direction of what is seen there; the target's if nothing."""
-        found = self.pick(x, y)
-        if found is not None:
-            point = navigate.project(self.camera, [found.position], self.size)
-            return float(point[0, 2])
-        inside = self._inside(x, y)
-        return self.camera.distance if inside is None else inside[1][2]
-
-    def _inside(self, x: float, y: float) -> Any:
-        """The voxel or cell that is seen there: its item, and its index, value and depth."""
-        pixel = (x * self.size[0], y * self.size[1])
-        for item in self.model.scene.volumes:
-            found = voxel_at(
-                item, self.model.settings.volume, self.model.clip, self.camera, pixel, self.size
-            )
-            if found is not None:
-                return item, found
-        for reservoir in self.model.scene.reservoirs:
-            found = cell_at(reservoir, self.model.clip, self.camera, pixel, self.size)
-            if found is not None:
-                return reservoir, found
-        return None
-
     def select(self, found: Pick | None, add: bool = False) -> None:
         """Select what was picked, or nothing; with ``add``, besides what is selected."""
         if found is None:
@@ -373,28 +305,11 @@ class View:
         else:
             self.selection = [*(self.selection if add else []), found]
 
-    # --- for files ---------------------------------------------------------------------------
-
-    def view_settings(self) -> ViewSettings:
-        """The camera as settings, for scene files and pictures."""
-        camera = self.camera
-        fov = camera.fov
-        if camera.height is not None:
-            # an orthographic view is stored by its height at the target: the angle gives it back
-            fov = math.degrees(2 * math.atan(camera.height / 2 / camera.distance))
-        return ViewSettings(
-            position=camera.position,
-            target=camera.target,
-            up=camera.up,
-            fov=min(160.0, max(0.1, fov)),
-            orthographic=camera.orthographic,
-        )
-
     def document(self) -> Any:
         """The document that makes this view's picture, at this size."""
         return replace(
             self.model.as_seen(self.camera),
-            view=self.view_settings(),
+            view=ViewSettings.of(self.camera),
             settings=self.full_settings,
         )
 
@@ -405,8 +320,3 @@ def _drawn_size(settings: Settings, size: tuple[int, int]) -> tuple[int, int]:
     if settings.stereo.mode == "side-by-side":
         width = max(2, width - width % 2)
     return width, height
-
-
-def _is_cells(found: Pick) -> bool:
-    """Whether a surface is that of a reservoir's cells, and not a well or an edge."""
-    return isinstance(found.item, ReservoirItem) and found.body.name.endswith(("cells", "slices"))

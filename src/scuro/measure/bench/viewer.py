@@ -29,10 +29,6 @@ _SETTLING = 25
 _SOAK = 20.0
 """Seconds; scripts/soak takes minutes, and says how memory grows after its warm-up."""
 _UPDATES = 3000
-_LARGE = 500_000
-"""Atoms of what is loaded and shown otherwise while a page looks on."""
-_BESIDE = 20.0
-"""Seconds each of that may take."""
 
 
 def run(options: BenchOptions) -> dict[str, Any]:
@@ -40,7 +36,6 @@ def run(options: BenchOptions) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = _input(options, Path(folder))
         rows = [*_turning(path, options), *_browser(path, options), *_window(options)]
-        rows += _beside_others(path, Path(folder), options)
         rows += _soak(options)
     return {"file": label(path), "size": list(SIZE), "rows": rows}
 
@@ -216,51 +211,6 @@ async def _updates(session: Any, address: str) -> float:
             await socket.send_str(json.dumps({"target": place}))
             await socket.receive_str()
         return float(_UPDATES / (time.perf_counter() - start))
-
-
-def _beside_others(path: str, folder: Path, options: BenchOptions) -> list[dict[str, Any]]:
-    """How long a page that turns waits for pictures while the scene is changed from another."""
-    from dataclasses import replace
-
-    from scuro.export.scene_file import Input, SceneFile
-    from scuro.measure.bench.process import write_copies
-    from scuro.measure.onlooker import gaps
-    from scuro.render import Renderer
-    from scuro.viewer.model import Model
-    from scuro.viewer.screen import Screen
-
-    options.say("one page beside another")
-    large = folder / "toxins-large.cif"
-    write_copies(large, _LARGE)
-    model = Model(SceneFile(input=(Input(path=path),)))
-    renderer = Renderer(options.device)
-
-    def show(**changes: Any) -> Any:
-        return lambda: model.change(show=(model.document.show[0].replace(**changes),))
-
-    def rays() -> Any:
-        settings = model.settings.replace(occlusion__technique="ray", occlusion__samples=4096)
-        return model.change(settings=settings)
-
-    deeds = {
-        "4,096 rays a pixel": rays,
-        f"{_LARGE:,} atoms loaded": lambda: model.open(
-            replace(model.document, input=(Input(path=str(large)),), settings=_settings())
-        ),
-        f"{_LARGE:,} atoms coloured": show(color="chain"),
-        f"{_LARGE:,} atoms as balls and sticks": show(style="ball+stick"),
-        f"{_LARGE:,} atoms as cartoon": show(style="cartoon"),
-    }
-    found = asyncio.run(
-        gaps(
-            model,
-            lambda deliver: Screen(model, renderer, "rgba8unorm", deliver),
-            deeds,
-            (480, 270),
-            _BESIDE,
-        )
-    )
-    return [_row(f"another page, {name}: longest gap", 1000 * s, "ms") for name, s in found.items()]
 
 
 # --- in a window ---------------------------------------------------------------------------------

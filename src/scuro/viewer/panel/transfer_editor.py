@@ -18,6 +18,7 @@ from scuro.style.transfer_choose import choose_transfer
 from scuro.viewer.panel.fields import Fields
 from scuro.viewer.panel.groups import buttons, heading, words
 from scuro.viewer.view import View
+from scuro.viewer.windowing import toggle_windowing
 
 _HEIGHT = 120.0
 _REACH = 8.0
@@ -173,7 +174,7 @@ class TransferEditor:
             "Drag in the picture: to the right widens the window, up raises its level (key w)"
         )
         if changed:
-            view.toggle_windowing()
+            toggle_windowing(view)
         span = (subject.high - subject.low) or 1.0
         by_name = {p.name: p for p in parameters(type(settings))}
         window = span if settings.window is None else settings.window
