@@ -49,10 +49,9 @@ fn ground_at(pixel: vec2u, texel: vec4f) -> Ground {
     return Ground(texel.w, steep * width, width * (1.0 + FACETS * dot(steep, steep)));
 }
 
-// How far four others stand out from the pixel's surface: their offset, distance and depth (0 where
-// empty).
-fn jumps(ground: Ground, xs: vec4f, ys: vec4f, away: vec4f, depths: vec4f) -> vec4f {
-    let rise = min(ground.slope.x * xs + ground.slope.y * ys, vec4f(0.0)) - away * ground.grain;
+// How far four others stand out from the pixel's surface: their offset and depth (0 where empty).
+fn jumps(ground: Ground, xs: vec4f, ys: vec4f, depths: vec4f) -> vec4f {
+    let rise = min(ground.slope.x * xs + ground.slope.y * ys, vec4f(0.0));
     return select(vec4f(0.0), ground.depth + rise - depths, depths > vec4f(0.0));
 }
 
@@ -77,11 +76,11 @@ fn thin_line(pixel: vec2u, texel: vec4f) -> f32 {
         let xs = corner.x + vec4f(-1.0, 0.0, 0.0, -1.0);
         let ys = corner.y + vec4f(0.0, 0.0, -1.0, -1.0);
         // a quarter turn on, each distance comes one later
-        jump = max(jump, jumps(ground, xs, ys, away, depths)).yzwx;
+        jump = max(jump, jumps(ground, xs, ys, depths)).yzwx;
         away = away.yzwx;
         corner = vec2f(1.0 - corner.y, corner.x);
     }
-    let covered = shares(away, jump);
+    let covered = shares(away, jump - away * ground.grain);
     return borders.opacity * max(max(covered.x, covered.y), max(covered.z, covered.w));
 }
 
@@ -104,7 +103,7 @@ fn wide_line(pixel: vec2u, texel: vec4f) -> f32 {
                 depths[k] = textureLoad(surface, place, 0).w;
             }
             let away = vec4f(length(step));
-            covered = max(covered, shares(away, jumps(ground, xs, ys, away, depths)));
+            covered = max(covered, shares(away, jumps(ground, xs, ys, depths) - away * ground.grain));
         }
     }
     return borders.opacity * max(max(covered.x, covered.y), max(covered.z, covered.w));

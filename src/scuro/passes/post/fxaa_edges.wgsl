@@ -70,12 +70,14 @@ fn list_edges(corner: vec2u) {
     }
 }
 
-@compute @workgroup_size(4, 2)
+@compute @workgroup_size(8, 8)
 fn everywhere(@builtin(global_invocation_id) id: vec3u) {
     list_edges(id.xy * vec2u(2u, 4u));
 }
 
-@compute @workgroup_size(4, 2)
+// All eight blocks of a tile in a row: lavapipe makes vectors along x alone, and four would leave half of
+// one empty.
+@compute @workgroup_size(8)
 fn tiles(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    list_edges(tile_pixel(group, vec3u(0u)) + local.xy * vec2u(2u, 4u));
+    list_edges(tile_pixel(group, vec3u(0u)) + vec2u(local.x & 3u, local.x >> 2u) * vec2u(2u, 4u));
 }

@@ -57,8 +57,12 @@ fn smoothed(pixel: vec2u) -> vec4f {
     let place = vec2f(pixel) * scale;
     let upper = textureGather(0, brightness, nearest, place);
     let lower = textureGather(0, brightness, nearest, place + scale);
-    let ne = textureGather(0, brightness, nearest, place + vec2f(scale.x, 0.0)).z;
-    let sw = textureGather(0, brightness, nearest, place + vec2f(0.0, scale.y)).x;
+    // loads of one texel cost half as much
+    let end = textureDimensions(brightness) - 1u;
+    let before = max(pixel, vec2u(1u)) - 1u;
+    let after = min(pixel + 1u, end);
+    let ne = textureLoad(brightness, vec2u(after.x, before.y), 0).x;
+    let sw = textureLoad(brightness, vec2u(before.x, after.y), 0).x;
     let w = upper.x;
     let m = upper.y;
     let n = upper.z;
