@@ -5,8 +5,9 @@ A window draws on between their steps; cancelling is to forget the generator.
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from typing import TypeVar
+import threading
+from collections.abc import Callable, Generator
+from typing import Any, TypeVar
 
 T = TypeVar("T")
 
@@ -30,3 +31,28 @@ def scaled(steps: Generator[float, None, T], low: float, high: float) -> Generat
             made: T = end.value
             return made
         yield low + share * (high - low)
+
+
+def in_thread(action: Callable[[], T]) -> Generator[float, None, T]:
+    """Do what cannot be cut into steps beside whoever takes them; yields 0 until it is done.
+
+    What is forgotten meanwhile comes to its end, but is not heard of.
+    """
+    results: list[Any] = []
+
+    def run() -> None:
+        try:
+            results.append((True, action()))
+        except BaseException as error:  # handed on to the one who waits
+            results.append((False, error))
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(0.02)
+        yield 0.0
+    fine, value = results[0]
+    if not fine:
+        raise value
+    made: T = value
+    return made

@@ -14,7 +14,8 @@ from scuro.render_settings import Settings
 from scuro.scene.clip import Cut
 from scuro.scene.geometry import Body, Geometry
 from scuro.scene.scene import Scene
-from scuro.viewer.jobs import Jobs, in_thread, in_turns
+from scuro.steps import in_thread
+from scuro.viewer.jobs import Jobs, in_turns
 from scuro.viewer.model import Model
 from scuro.viewer.player import Player
 from scuro.viewer.saving import FilmSettings, Saving

@@ -6,7 +6,7 @@ A geometry that several bodies share is kept once.
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,13 +16,13 @@ from scuro.gpu import Gpu
 from scuro.scene.camera import Camera
 from scuro.scene.clip import MAX_PLANES, Clip
 from scuro.scene.geometry import Body
-from scuro.steps import finished, scaled
+from scuro.steps import finished, in_thread, scaled
 from scuro.trace.build import build_grids
-from scuro.trace.grids import GRID, GridPlan, Growth, joined, plan_grids, weighted_median
+from scuro.trace.grids import GRID, GridPlan, Growth, plan_grids, weighted_median
 from scuro.trace.objects import object_table
-from scuro.trace.pack import PackedGeometry, pack_in_steps
+from scuro.trace.pack import PackedGeometry, pack_bodies
 from scuro.trace.placement import Placement, place
-from scuro.trace.table import float_table, table, table_bytes
+from scuro.trace.table import filled_in_steps, table, table_bytes
 
 
 @dataclass(eq=False)
@@ -100,10 +100,13 @@ class Accelerator:
         """The same in short steps; yields the share that is done."""
         if self._grown is None or self._grown[0] != growth:
             self._grown = None  # frees the old ones first
-            placement = place(self.bodies, self.center, self.packed)
-            plan = plan_grids(self.bodies, self.packed, placement, self.center, growth)
-            objects = object_table(self.bodies, self.packed, plan, placement)
-            yield 0.0
+
+            def lay_out() -> tuple[Placement, GridPlan, NDArray]:
+                placement = place(self.bodies, self.center, self.packed)
+                plan = plan_grids(self.bodies, self.packed, placement, self.center, growth)
+                return placement, plan, object_table(self.bodies, self.packed, plan, placement)
+
+            placement, plan, objects = yield from in_thread(lay_out)
             resources = yield from build_grids(
                 gpu, plan, self.resources["slots"], self.resources["instances"]
             )
@@ -138,20 +141,27 @@ def build_in_steps(
     Yields:
         The share that is done.
     """
-    packed = yield from scaled(_packed_with_levels(bodies), 0.0, 0.4)
-    placement = place(bodies, center, packed)
-    slots = joined([p.slots for p in packed.values()], (0, 4), np.float32)
-    attributes = joined([p.attributes for p in packed.values()], (0, 4), np.uint32)
-    slot_table = float_table(gpu, slots, "primitives")
-    plan = plan_grids(bodies, packed, placement, center)
-    objects = object_table(bodies, packed, plan, placement)
+
+    def lay_out() -> tuple[dict[int, PackedGeometry], Placement, GridPlan, NDArray]:
+        packed = pack_bodies(bodies)
+        placement = place(bodies, center, packed)
+        plan = plan_grids(bodies, packed, placement, center)
+        return packed, placement, plan, object_table(bodies, packed, plan, placement)
+
+    packed, placement, plan, objects = yield from in_thread(lay_out)
+    slot_table = yield from scaled(
+        filled_in_steps(gpu, [p.slots for p in packed.values()], "rgba32float", "primitives"),
+        0.1, 0.3,
+    )  # fmt: skip
+    attributes = yield from scaled(
+        filled_in_steps(gpu, [p.attributes for p in packed.values()], "rgba32uint", "attributes"),
+        0.3, 0.45,
+    )  # fmt: skip
     resources = {
         "slots": slot_table,
-        "attributes": table(gpu, attributes, "attributes"),
+        "attributes": attributes,
         "objects": table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects"),
     }
-    del slots, attributes
-    yield 0.45
     instances = yield from scaled(placement.upload(gpu), 0.45, 0.5)
     grids = yield from scaled(build_grids(gpu, plan, slot_table, instances), 0.5, 1.0)
     refs_from = grids.pop("refs_from")
@@ -223,27 +233,6 @@ def _top(objects: NDArray, plan: GridPlan, placement: Placement) -> dict[str, An
     single = placement.single
     top = plan.grids[0] if single is None else objects[single.number]["grid"]
     return {name: top[name] for name in GRID.names or ()}
-
-
-def _packed_with_levels(
-    bodies: Sequence[Body],
-) -> Generator[float, None, dict[int, PackedGeometry]]:
-    """All geometries and their levels, by ``id``; a geometry's radius holds its levels too."""
-    packed: dict[int, PackedGeometry] = {}
-    geometries = list({id(b.geometry): b.geometry for b in bodies}.values())
-    total = max(1, sum(len(geometry) for geometry in geometries))
-    done = 0
-    for geometry in geometries:
-        share = len(geometry) / total
-        full = yield from scaled(pack_in_steps(geometry), done / total, done / total + share)
-        done += len(geometry)
-        levels = {
-            id(level): finished(pack_in_steps(level, full.middle)) for level in geometry.levels
-        }
-        radius = max([full.radius, *(p.radius for p in levels.values())])
-        packed[id(geometry)] = replace(full, radius=radius)
-        packed |= levels
-    return packed
 
 
 def _clusters(

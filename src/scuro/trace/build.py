@@ -167,6 +167,7 @@ class _Sorter:
                 return {"threads": count}
 
             steps.append(visit)
+            yield 0.0
         _, lengths = yield from scaled(self._sort("primitives", steps, cells, cells, 0), 0.0, 0.6)
         clear = yield from scaled(
             _clear_directions(plan.grids[plan.over :], lengths == 0), 0.6, 0.7

@@ -155,10 +155,6 @@ def _grid_over(
     return low, cell, np.maximum(np.ceil(size / cell), 1), 0
 
 
-def joined(arrays: list[NDArray], shape: tuple[int, ...], dtype: Any) -> NDArray:
-    return np.concatenate([*arrays, np.zeros(shape, dtype)]).astype(dtype, copy=False)
-
-
 def weighted_median(values: Sequence[float], weights: Sequence[int]) -> float:
     order = np.argsort(values)
     cumulative = np.cumsum(np.asarray(weights, float)[order])

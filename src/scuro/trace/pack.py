@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Generator
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.scene.geometry import Geometry
-from scuro.steps import finished, scaled
+from scuro.scene.geometry import Body, Geometry
 
 SPHERE, ROD, CONE, TRIANGLE = (np.uint32(k << 29) for k in range(4))
 NO_PRIMITIVE = 0xFFFFFFFF
@@ -52,33 +51,35 @@ _packed: weakref.WeakKeyDictionary[Geometry, PackedGeometry] = weakref.WeakKeyDi
 
 
 def pack_geometry(geometry: Geometry, middle: NDArray[np.float32] | None = None) -> PackedGeometry:
-    """A geometry packed for the GPU, all at once: see :func:`pack_in_steps`."""
-    return finished(pack_in_steps(geometry, middle))
-
-
-def pack_in_steps(
-    geometry: Geometry, middle: NDArray[np.float32] | None = None
-) -> Generator[float, None, PackedGeometry]:
-    """A geometry packed for the GPU, in steps; the same geometry is packed once.
+    """A geometry packed for the GPU; the same geometry is packed once.
 
     ``middle`` (3,) is taken off all coordinates: that of the box by default, that of the full
     geometry for its coarser levels.
     """
     found = _packed.get(geometry)
     if found is None:
-        found = _packed[geometry] = yield from _pack(geometry, middle)
+        found = _packed[geometry] = _pack(geometry, middle)
     return found
 
 
-_NORMALS = 1 << 16
-"""Triangles whose normals are packed in one step."""
+def pack_bodies(bodies: Sequence[Body]) -> dict[int, PackedGeometry]:
+    """All geometries and their levels, by ``id``; a geometry's radius holds its levels too."""
+    packed: dict[int, PackedGeometry] = {}
+    for key, geometry in {id(b.geometry): b.geometry for b in bodies}.items():
+        full = pack_geometry(geometry)
+        levels = {id(level): pack_geometry(level, full.middle) for level in geometry.levels}
+        radius = max([full.radius, *(p.radius for p in levels.values())])
+        packed[key] = replace(full, radius=radius)
+        packed |= levels
+    return packed
 
 
-def _pack(
-    geometry: Geometry, middle: NDArray[np.float32] | None
-) -> Generator[float, None, PackedGeometry]:
+_AT_ONCE = 1 << 16
+"""Primitives that are converted at once: what lies between fits a processor's cache."""
+
+
+def _pack(geometry: Geometry, middle: NDArray[np.float32] | None) -> PackedGeometry:
     low, high = geometry.bounds
-    yield 0.05
     if middle is None:
         middle = ((low.astype(np.float64) + high) / 2).astype(np.float32)
     count = len(geometry)
@@ -86,56 +87,40 @@ def _pack(
     median = float(np.median(radii)) if len(radii) else 0.0
     cell, dims = _cells(geometry, low, high, median, count * CELLS_A_PRIMITIVE)
     origin = low - middle - 0.5 * (dims * cell - (high - low))
-    yield 0.1
 
     # spheres, then rods, then triangles, each along the curve
-    middles = (
-        geometry.spheres[:, :3],
-        geometry.rods[:, :, :3].mean(axis=1),
-        geometry.triangles.mean(axis=1),
-    )
     orders, codes = [], []
-    for number, points in enumerate(middles):
-        found = morton(((points - low) / cell).astype(np.uint32))
-        yield 0.1 + 0.15 * number
-        along = yield from scaled(_order(found), 0.1 + 0.15 * number, 0.25 + 0.15 * number)
+    for corners in (geometry.spheres[:, None], geometry.rods, geometry.triangles):
+        found = _codes(corners, low, cell)
+        along = sorted_by(found)
         orders.append(along)
         codes.append(found[along])
     s, r, t = orders
     rod_at, triangle_at = len(s), len(s) + 2 * len(r)
     slots = np.zeros((triangle_at + 3 * len(t), 4), np.float32)
-    rods = geometry.rods[r]
-    slots[:rod_at] = geometry.spheres[s]
-    slots[rod_at:triangle_at] = rods.reshape(-1, 4)
-    slots[triangle_at:, :3] = geometry.triangles[t].reshape(-1, 3)
-    yield 0.6
-    slots[:, :3] -= middle
-    yield 0.65
-
     attributes = np.zeros((len(slots), 4), np.uint32)
-    attributes[:, 0] = np.concatenate(
-        [geometry.sphere_ids[s], geometry.rod_ids[r].ravel(), geometry.triangle_ids[t].ravel()]
-    ).view(np.uint32)
-    colors = np.concatenate(
-        [
-            geometry.sphere_colors[s],
-            geometry.rod_colors[r].reshape(-1, 4),
-            geometry.triangle_colors[t].reshape(-1, 4),
-        ]
-    )
-    yield 0.7
     # three halves and nothing: linear colour needs no power function when a pixel is shaded
     halves = attributes[:, 1:3].view(np.float16)
-    for channel in range(3):
-        halves[:, channel] = _LINEAR[colors[:, channel]]
-        yield 0.72 + 0.03 * channel
-    for first in range(0, len(t), _NORMALS):
-        here = t[first : first + _NORMALS]
-        packed = octahedral(geometry.triangle_normals[here].reshape(-1, 3))
+    kinds = (
+        (0, s, geometry.spheres[:, None], geometry.sphere_ids, geometry.sphere_colors),
+        (rod_at, r, geometry.rods, geometry.rod_ids, geometry.rod_colors),
+        (triangle_at, t, geometry.triangles, geometry.triangle_ids, geometry.triangle_colors),
+    )
+    for at, order, corners, ids, colors in kinds:
+        each, width = corners.shape[1:]
+        for first in range(0, len(order), _AT_ONCE):
+            here = order[first : first + _AT_ONCE]
+            there = slice(at + each * first, at + each * (first + len(here)))
+            slots[there, :width] = corners[here].reshape(-1, width)
+            slots[there, :3] -= middle
+            attributes[there, 0] = ids[here].reshape(-1).view(np.uint32)
+            halves[there, :3] = _LINEAR[colors[here].reshape(-1, 4)[:, :3]]
+    for first in range(0, len(t), _AT_ONCE):
+        packed = octahedral(geometry.triangle_normals[t[first : first + _AT_ONCE]].reshape(-1, 3))
         at = triangle_at + 3 * first
         attributes[at : at + len(packed), 3] = packed
-        yield 0.78 + 0.02 * first / len(t)
 
+    rods = slots[rod_at:triangle_at].reshape(-1, 2, 4)
     rod_kind = np.where(np.isclose(rods[:, 0, 3], rods[:, 1, 3], rtol=1e-5), ROD, CONE)
     primitives = np.concatenate(
         [
@@ -144,16 +129,10 @@ def _pack(
             (triangle_at + 3 * np.arange(len(t), dtype=np.uint32)) | TRIANGLE,
         ]
     )
-    yield 0.85
     corners = np.sqrt(np.einsum("ij,ij->i", slots[:, :3], slots[:, :3])) + slots[:, 3]
     radius = float(corners.max()) * 1.00001 if len(corners) else 0.0
-    yield 0.9
-    pieces = (slots[:rod_at, None], slots[rod_at:triangle_at].reshape(-1, 2, 4),
-              slots[triangle_at:].reshape(-1, 3, 4))  # fmt: skip
-    clusters = []
-    for number, (piece, sorted_codes) in enumerate(zip(pieces, codes, strict=True)):
-        clusters.append(_clusters(piece, sorted_codes))
-        yield 0.93 + 0.02 * number
+    pieces = (slots[:rod_at, None], rods, slots[triangle_at:].reshape(-1, 3, 4))
+    clusters = [_clusters(piece, found) for piece, found in zip(pieces, codes, strict=True)]
     return PackedGeometry(
         slots=slots,
         attributes=attributes,
@@ -170,18 +149,25 @@ def _pack(
     )
 
 
+def _codes(
+    corners: NDArray[np.float32], low: NDArray[np.float32], cell: float
+) -> NDArray[np.uint32]:
+    """Morton codes (n,) of the cells in which the middles of primitives (n, k, 3 or 4) lie."""
+    codes = np.empty(len(corners), np.uint32)
+    for first in range(0, len(corners), _AT_ONCE):
+        here = corners[first : first + _AT_ONCE, :, :3]
+        # a sum over an axis of two or three is an order slower by numpy's own reduction
+        middles = sum(here[:, k] for k in range(here.shape[1])) / np.float32(here.shape[1])
+        codes[first : first + len(here)] = morton(((middles - low) / cell).astype(np.uint32))
+    return codes
+
+
 def sorted_by(codes: NDArray[np.uint32]) -> NDArray[np.intp]:
-    """What sorts codes stably."""
-    return finished(_order(codes))
-
-
-def _order(codes: NDArray[np.uint32]) -> Generator[float, None, NDArray[np.intp]]:
-    """The same in steps: by their lower halves, then by their upper ones.
+    """What sorts codes stably: by their lower halves, then by their upper ones.
 
     numpy sorts 16 bits by counting, several times as fast as 32 by comparing.
     """
     lower = np.argsort(codes.astype(np.uint16), kind="stable")
-    yield 0.5
     upper = (codes >> np.uint32(16)).astype(np.uint16)[lower]
     return lower[np.argsort(upper, kind="stable")]
 

@@ -6,7 +6,7 @@ buffer, a random one 41 and 87 ns.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from typing import Any
 
 import numpy as np
@@ -46,6 +46,26 @@ def fill_table(gpu: Gpu, texture: Any, first: int, data: NDArray) -> None:
         done += count
 
 
+_UPLOADED = 1 << 19
+"""Entries that are handed over in one step."""
+
+
+def filled_in_steps(
+    gpu: Gpu, parts: Sequence[NDArray], format: str, what: str
+) -> Generator[float, None, Any]:
+    """A table of arrays one after another, in steps; yields the share that is done."""
+    count = sum(map(len, parts))
+    texture = empty_table(gpu, count, format, what)
+    done = 0
+    for data in parts:
+        for start in range(0, len(data), _UPLOADED):
+            here = data[start : start + _UPLOADED]
+            fill_table(gpu, texture, done, here)
+            done += len(here)
+            yield done / count
+    return texture
+
+
 def _filled(gpu: Gpu, data: NDArray, format: str, what: str) -> Any:
     texture = empty_table(gpu, len(data), format, what)
     fill_table(gpu, texture, 0, data)
@@ -55,11 +75,6 @@ def _filled(gpu: Gpu, data: NDArray, format: str, what: str) -> Any:
 def table(gpu: Gpu, data: NDArray[np.uint32], what: str) -> Any:
     """A table of four integers an entry, from (n, 4)."""
     return _filled(gpu, data, "rgba32uint", what)
-
-
-def integer_table(gpu: Gpu, data: NDArray[np.uint32], what: str) -> Any:
-    """A table of one integer an entry, from (n,)."""
-    return _filled(gpu, data, "r32uint", what)
 
 
 def float_table(gpu: Gpu, data: NDArray[np.float32], what: str) -> Any:

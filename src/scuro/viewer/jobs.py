@@ -67,28 +67,6 @@ class Jobs:
             self.cancel(self.waiting[0])
 
 
-def in_thread(action: Callable[[], T]) -> Generator[float, None, T]:
-    """Do what cannot be cut into slices beside the window; yields 0 until it is done."""
-    results: list[Any] = []
-
-    def run() -> None:
-        try:
-            results.append((True, action()))
-        except BaseException as error:  # handed on to the one who waits
-            results.append((False, error))
-
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    while thread.is_alive():
-        thread.join(0.02)
-        yield 0.0
-    fine, value = results[0]
-    if not fine:
-        raise value
-    made: T = value
-    return made
-
-
 class _Cancelled(BaseException):
     """Ends the action of :func:`in_turns` where it waits."""
 

@@ -5,17 +5,26 @@ These show what was there meanwhile.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from scuro.export.scene_file import SceneFile
+from scuro.scene.geometry import Body
 from scuro.scene.scene import Scene
-from scuro.viewer.jobs import in_thread
+from scuro.steps import in_thread
+from scuro.trace.pack import pack_bodies
 
 LARGE = 100_000
 """Atoms from which on: a cartoon of so many takes a second."""
 LARGE_FILES = 2_000_000
 """Bytes from which on: a structure of so many takes a tenth of a second."""
+
+
+def _ready(bodies: Sequence[Body]) -> None:
+    """Work out what a scene, its camera and its acceleration structure ask bodies for, too."""
+    pack_bodies(bodies)
+    for body in bodies:
+        _ = body.bounds
 
 
 class Reading:
@@ -40,7 +49,7 @@ class Reading:
 
     def _read(self) -> None:
         self.scene = self.document.scene()
-        self.scene.bodies()
+        _ready(self.scene.bodies())
 
     def tick(self) -> bool:
         """Look whether all is read.
@@ -80,7 +89,7 @@ class Restyle:
 
     def _build(self) -> None:
         for twin in self._twins:
-            twin.bodies()
+            _ready(twin.bodies())
 
     def tick(self) -> bool:
         """Look whether it is built, and if so, hand it to the scene; says whether it was.

@@ -28,9 +28,10 @@ from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.scene import Scene
 from scuro.settings import SettingsGroup, setting
+from scuro.steps import in_thread
 from scuro.style.marks import paint
 from scuro.viewer.drawing import Drawing, Drawn
-from scuro.viewer.jobs import Jobs, Work, in_thread, in_turns, scaled
+from scuro.viewer.jobs import Jobs, Work, in_turns, scaled
 from scuro.viewer.view import View
 
 LARGEST = 16384

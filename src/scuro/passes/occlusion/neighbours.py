@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -15,10 +16,10 @@ from numpy.typing import NDArray
 
 from scuro.gpu import Gpu
 from scuro.passes.frame import Frame
-from scuro.steps import finished
+from scuro.steps import finished, in_thread, scaled
 from scuro.trace import Accelerator
 from scuro.trace.pack import PackedGeometry, sorted_by
-from scuro.trace.table import empty_table, integer_table, table
+from scuro.trace.table import empty_table, filled_in_steps
 
 STEP = 1 << 13
 """So many lists of sixteen are made in one step; of longer ones, fewer."""
@@ -87,7 +88,7 @@ def _search(gpu: Gpu, accelerator: Accelerator, texels: int) -> Generator[float,
     for key, p in packed.items():
         spheres, ends = _kinds(p)
         skipped[key] = triangles
-        found = _sorted_centers(p.slots[:spheres, :3])
+        found = yield from in_thread(partial(_sorted_centers, p.slots[:spheres, :3]))
         slots = found.entries
         slots[:, 3] += np.uint32(first_slots[key])
         uniforms.append(
@@ -109,12 +110,13 @@ def _search(gpu: Gpu, accelerator: Accelerator, texels: int) -> Generator[float,
         starts += len(found.starts)
         rows += spheres + ends
         triangles += len(p.slots) - spheres - ends
-        yield 0.0
     none, no_cell = np.zeros((1, 4), np.uint32), np.zeros(1, np.uint32)
+    upload = partial(filled_in_steps, gpu)
+    listed = [*(c[0] for c in cells), none], [*(c[1] for c in cells), no_cell]
     resources = {
         "slots": accelerator.resources["slots"],
-        "entries": table(gpu, np.concatenate([*(c[0] for c in cells), none]), "centres"),
-        "starts": integer_table(gpu, np.concatenate([*(c[1] for c in cells), no_cell]), "cells"),
+        "entries": (yield from scaled(upload(listed[0], "rgba32uint", "centres"), 0.0, 0.05)),
+        "starts": (yield from scaled(upload(listed[1], "r32uint", "cells"), 0.05, 0.1)),
         "found": empty_table(gpu, max(1, rows * texels), "rgba32uint", "neighbours"),
     }
     # a scan of the surroundings finds sixteen
@@ -128,7 +130,7 @@ def _search(gpu: Gpu, accelerator: Accelerator, texels: int) -> Generator[float,
                 resources | {"search": search}, {"WIDE": _scans(texels, 6) < _scans(texels, 4)},
             )  # fmt: skip
             done += count
-            yield done / rows
+            yield 0.1 + 0.9 * done / rows
     by_object = [skipped[id(body.geometry)] for body in accelerator.bodies]
     buffer = gpu.buffer(np.array([*by_object, 0], np.uint32), label="slots without neighbours")
     return Neighbours(texels, resources["found"], buffer)
