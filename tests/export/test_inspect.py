@@ -34,7 +34,7 @@ def image():
 def test_every_pass_of_the_semantic_pipeline_can_be_read(image):
     held = image.buffers()
     passes = ("regions", "diffuse", "gathered", "bounce", "lit", "gathered_blurred",
-              "bounce_blurred", "lit_blurred", "calm_surface", "ids", "surface")  # fmt: skip
+              "bounce_blurred", "calm_surface", "ids", "surface")  # fmt: skip
     for name in passes:
         assert held[name].shape[:2] == (48, 64), name
         np.testing.assert_array_equal(held[name], image.buffer(name))
@@ -42,7 +42,7 @@ def test_every_pass_of_the_semantic_pipeline_can_be_read(image):
     assert len(np.unique(regions[..., 0])) == 3, "nothing, A and B"
     np.testing.assert_array_equal(image.buffer("regions.y"), regions[..., 1])
     light = held["albedo"][..., :3] * (
-        held["gathered_blurred"][..., :3] * held["lit_blurred"][..., :1].astype(float)
+        held["gathered_blurred"][..., :3] * held["bounce_blurred"][..., 3:].astype(float)
         + held["bounce_blurred"][..., :3]
     )
     there = held["ids"][..., 2] < 3

@@ -8,6 +8,7 @@ import pytest
 from scuro.errors import SettingsError
 from scuro.passes.frame import view_uniform
 from scuro.passes.semantic.pipeline import halton_points
+from scuro.passes.semantic.smooth import taps
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
@@ -231,21 +232,24 @@ def blurred_by_hand(source, surface, amount, depth_limit, normal_limit):
                     continue
                 here, there = surface[y, x], surface[y, x + i]
                 if abs(there[3] - here[3]) < depth_limit and there[:3] @ here[:3] > normal_limit:
-                    w = np.exp(-((i / (amount * 1.5)) ** 2))
+                    w = np.exp(-((i / (max(amount, 1) * 1.5)) ** 2))
                     total, weights = total + w * source[y, x + i], weights + w
             out[y, x] = total / weights
     return out
 
 
-@pytest.mark.parametrize("amount", [3, 6])
-def test_blur_is_algorithm_3(renderer, amount):
+@pytest.mark.parametrize("amounts", [(3, 6, 5), (10, 0, 3), (0, 4, 0)])
+def test_blur_is_algorithm_3_with_a_radius_for_each(renderer, amounts):
     gpu, rng = renderer.gpu, np.random.default_rng(3)
-    source = rng.random((9, 17, 4)).astype(np.float16)
+    light, bounce, lit = (rng.random((9, 17, 4)).astype(np.float16) for _ in range(3))
     surface = rng.normal(size=(9, 17, 4)).astype(np.float32)
     surface[..., :3] /= np.linalg.norm(surface[..., :3], axis=-1, keepdims=True)
     surface[..., 3] = rng.uniform(5, 6, (9, 17))
-    out = gpu.texture((17, 9), "rgba16float")
-    uniform = {"step": (1, 0), "amount": amount, "depth_limit": 0.4, "normal_limit": -0.2}
+    out, beside = (gpu.texture((17, 9), "rgba16float") for _ in range(2))
+    own, others = taps(amounts[0]), taps(*amounts[1:])
+    uniform = {"step": (1, 0), "light_taps": len(own), "beside_taps": len(others)}
+    uniform |= {"light": own or [(0,) * 4], "beside": others or [(0,) * 4]}
+    uniform |= {"depth_limit": 0.4, "normal_limit": -0.2}
     tiles = np.array([x | y << 16 for y in range(2) for x in range(3)], np.uint32)
     gpu.compute(
         "passes/semantic/blur.wgsl",
@@ -256,12 +260,21 @@ def test_blur_is_algorithm_3(renderer, amount):
             "view": view_uniform(CAMERA, np.zeros(3), (17, 9)),
             "blur": uniform,
             "surface": gpu.texture_from(surface, "rgba32float"),
-            "source": gpu.texture_from(source, "rgba16float"),
+            "source": gpu.texture_from(light, "rgba16float"),
+            "source_beside": gpu.texture_from(bounce, "rgba16float"),
+            "lit": gpu.texture_from(lit, "rgba16float"),
             "blurred": out,
+            "blurred_beside": beside,
         },
     )
-    expected = blurred_by_hand(source.astype(float), surface, amount, 0.4, -0.2)
-    np.testing.assert_allclose(gpu.read_texture(out), expected, atol=2e-3)
+    expected = [
+        blurred_by_hand(source.astype(float), surface, amount, 0.4, -0.2)
+        for source, amount in zip((light, bounce, lit), amounts, strict=True)
+    ]
+    found = gpu.read_texture(beside)
+    np.testing.assert_allclose(gpu.read_texture(out), expected[0], atol=2e-3)
+    np.testing.assert_allclose(found[..., :3], expected[1][..., :3], atol=2e-3)
+    np.testing.assert_allclose(found[..., 3], expected[2][..., 0], atol=2e-3)
 
 
 def test_far_pixels_spread_as_a_gaussian_and_near_ones_stay(renderer):

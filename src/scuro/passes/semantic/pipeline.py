@@ -1,7 +1,7 @@
 """The passes of the thesis, in order. Each leaves its buffer in the frame under the shader's name.
 
 ``regions`` (t and t + 1), ``calm_surface``, ``diffuse``, ``gathered`` (light, visibility),
-``bounce``, ``lit``, the blurred forms of the last three, and ``color``.
+``bounce``, ``lit``, ``gathered_blurred``, ``bounce_blurred`` (bounce, shadow), and ``color``.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from scuro.scene.regions import Hierarchy
 from scuro.trace.table import float_table
 
 _EMPTY, _LIT = (0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0)
+_NO_BOUNCE = (0.0, 0.0, 0.0, 1.0)
 
 
 def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
@@ -43,7 +44,7 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     calm = {"surface": _calm(frame, settings)}
     frame.target("diffuse", "rgba16float", clear=_EMPTY)
     frame.compute_tiles("passes/semantic/direct.wgsl")
-    for name, nothing in (("gathered", _EMPTY), ("bounce", _EMPTY), ("lit", _LIT)):
+    for name, nothing in (("gathered", _EMPTY), ("bounce", _NO_BOUNCE), ("lit", _LIT)):
         frame.target(name, "rgba16float", clear=nothing)
     plain = settings.mode == "plain"
     near = 1.0 if plain else 1.0 - here.depth
@@ -61,16 +62,9 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
             _shadow(frame, settings, shadow)
     frames = rested(frame)
     samples = settings.rays if settings.mode == "traced" else settings.samples
-    occlusion = {
-        name: smoothed(frame, calm, name, amount, frames, samples)
-        for name, amount in (
-            ("gathered", settings.blur_occlusion),
-            ("bounce", settings.blur_bounce if bounce > 0 else 0),
-            ("lit", settings.blur_shadow if shadow > 0 else 0),
-        )
-    }
+    light = smoothed(frame, calm, frames, samples, bounce=bounce > 0, shadow=shadow > 0)
     frame.sparse = frame.target("color", "rgba16float", clear=_EMPTY)
-    frame.compute_tiles("passes/semantic/combine.wgsl", occlusion, label="combine")
+    frame.compute_tiles("passes/semantic/combine.wgsl", light)
 
 
 def _calm(frame: Frame, settings: SemanticSettings) -> Any:

@@ -18,6 +18,9 @@ from scuro.passes.semantic.settings import SemanticSettings
 
 ENOUGH = 512
 """So many samples need no blur."""
+_NOTHING = [(0.0, 0.0, 0.0, 0.0)]
+WIDE = 5
+"""Radius from which on a blur takes one pixel in two; one in three from twice this."""
 
 
 def rested(frame: Frame) -> int:
@@ -33,23 +36,37 @@ def rested(frame: Frame) -> int:
 
 
 def smoothed(
-    frame: Frame, calm: dict[str, Any], name: str, amount: int, frames: int, samples: int
-) -> Any:
-    """A buffer, averaged and blurred.
+    frame: Frame,
+    calm: dict[str, Any],
+    frames: int,
+    samples: int,
+    *,
+    bounce: bool,
+    shadow: bool,
+) -> dict[str, Any]:
+    """``gathered`` and ``bounce``, averaged and blurred; the alpha of the latter is the shadow.
 
     Args:
-        frame: With the buffer of this name.
+        frame: With the buffers ``gathered``, ``bounce`` and ``lit``.
         calm: The surface whose edges the blur keeps.
-        name: ``gathered``, ``bounce`` or ``lit``.
-        amount: Radius of the blur, pixels.
         frames: See :func:`rested`.
         samples: A pixel and frame.
+        bounce: Whether there is any.
+        shadow: Whether there is any.
     """
+    settings: SemanticSettings = frame.settings.semantic
+    amounts = [
+        settings.blur_occlusion,
+        settings.blur_bounce * bounce,
+        settings.blur_shadow * shadow,
+    ]
     if frame.history is not None:
-        _average(frame, calm, name, frames)
+        for name, there in (("gathered", True), ("bounce", bounce), ("lit", shadow)):
+            if there:
+                _average(frame, calm, name, frames)
         left = 1.0 - frames * samples / ENOUGH if frames > 1 else 1.0
-        amount = round(amount * math.sqrt(max(left, 0.0)))
-    return _blurred(frame, calm, name, amount)
+        amounts = [round(amount * math.sqrt(max(left, 0.0))) for amount in amounts]
+    return _blurred(frame, calm, [round(a * frame.px) for a in amounts], bounce, shadow)
 
 
 def _average(frame: Frame, calm: dict[str, Any], name: str, frames: int) -> None:
@@ -71,24 +88,57 @@ def _average(frame: Frame, calm: dict[str, Any], name: str, frames: int) -> None
     frame.resources[name] = mean
 
 
-def _blurred(frame: Frame, calm: dict[str, Any], name: str, amount: int) -> Any:
-    """A buffer after Algorithm 3, along x and then along y."""
-    settings: SemanticSettings = frame.settings.semantic
-    source = frame.resources[name]
-    if amount == 0:
-        return source
-    for step, target in (((1, 0), f"{name}_x"), ((0, 1), f"{name}_blurred")):
-        blur = {
-            "step": step,
-            "amount": round(amount * frame.px),
-            "depth_limit": depth_limit(frame),
-            "normal_limit": settings.blur_normal,
+def _blurred(
+    frame: Frame, calm: dict[str, Any], amounts: list[int], bounce: bool, shadow: bool
+) -> dict[str, Any]:
+    """The buffers after Algorithm 3, along x and then along y.
+
+    ``amounts``: radii of occlusion, bounce and shadow, pixels.
+    """
+    light, beside = taps(*amounts[:1]), taps(*amounts[1:])
+    blur = {
+        "light_taps": len(light),
+        "beside_taps": len(beside),
+        "depth_limit": depth_limit(frame),
+        "normal_limit": frame.settings.semantic.blur_normal,
+        "light": light or _NOTHING,
+        "beside": beside or _NOTHING,
+    }
+    found = {name: frame.resources[name] for name in ("gathered", "bounce")}
+    for step, suffix in (((1, 0), "x"), ((0, 1), "blurred")):
+        before = found
+        found = {
+            name: frame.target(f"{name}_{suffix}", "rgba16float", clear=(0.0, 0.0, 0.0, 0.0))
+            for name in (before if bounce or shadow else ("gathered",))
         }
-        blurred = frame.target(target, "rgba16float", clear=(0.0, 0.0, 0.0, 0.0))
         frame.compute_tiles(
             "passes/semantic/blur.wgsl",
-            calm | {"blur": blur, "source": source, "blurred": blurred},
-            label=f"blur {name}",
+            calm
+            | {
+                "blur": blur | {"step": step},
+                "source": before["gathered"],
+                "source_beside": before["bounce"],
+                "blurred": found["gathered"],
+                "blurred_beside": found.get("bounce", found["gathered"]),
+            },
+            constants={
+                "HAS_BOUNCE": bounce,
+                "HAS_SHADOW": shadow,
+                "SHADOW_APART": suffix == "x",
+            },
         )
-        source = blurred
-    return source
+        found = {"bounce": before["bounce"]} | found
+    return found
+
+
+def taps(*amounts: int) -> list[tuple[float, ...]]:
+    """Distances in pixels of what a blur takes on either side, with the weight for each radius.
+
+    Radii of five pixels and more leave out every second pixel, of ten two in three, and so on: no
+    radius takes more than five.
+    """
+    weights: dict[int, list[float]] = {}
+    for which, amount in enumerate(amounts):
+        for i in range(1, amount + 1, 1 + amount // WIDE):
+            weights.setdefault(i, [0.0] * 3)[which] = math.exp(-((i / (1.5 * amount)) ** 2))
+    return [(float(i), *weights[i]) for i in sorted(weights)]

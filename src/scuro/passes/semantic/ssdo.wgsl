@@ -32,6 +32,8 @@ override HAS_NEAR: bool = true;
 override HAS_BOUNCE: bool = true;
 // occluders of the same region count too (the thesis's comparison without semantics)
 override PLAIN: bool = false;
+// One direction in so many brings a bounce: it is blurred widely.
+const BOUNCE_EVERY: u32 = 4u;
 
 struct Sample {
     // 1 = the sample point lies behind what the picture shows there
@@ -65,47 +67,88 @@ fn sent(found: Sample, start: vec3f, direction: vec3f, cosine: f32) -> vec3f {
     return form * textureLoad(diffuse, found.pixel, 0).rgb;
 }
 
+// What all directions of a pixel share.
+struct Place {
+    here: Seen,
+    position: vec3f,
+    labels: vec2u,
+    noise: vec3f,
+    // tangent space to scene space, and to view space
+    basis: mat3x3f,
+    turned: mat3x3f,
+    start: vec3f,
+    near_reach: f32,
+    far_reach: f32,
+}
+
+// The near occluder of a direction.
+struct Near {
+    found: Sample,
+    share: f32,
+    direction: vec3f,
+    cosine: f32,
+}
+
+// Gather the light from direction i.
+fn look(i: u32, place: Place, sum: ptr<function, Gathering>) -> Near {
+    let u = fract(halton(i) + place.noise);
+    let upright = malley(u.xy);
+    let direction = place.basis * upright;
+    let step = u.z * (place.turned * upright);
+    var near = Near();
+    if (HAS_NEAR) {
+        let found = probe(place.start + place.near_reach * step, place.here, ssdo.near_radius);
+        near = Near(found, found.occluded * ssdo.near_weight, direction, upright.z);
+    }
+    let found = probe(place.start + place.far_reach * step, place.here, ssdo.far_radius);
+    var far = found.occluded;
+    if (!PLAIN && far > 0.0) {
+        far *= strangeness(found.there.labels, place.labels);
+    }
+    gather(sum, direction, (1.0 - near.share) * (1.0 - far), place.position);
+    return near;
+}
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let here = seen(group, local);
     if (here.outside || here.empty) {
         return;
     }
-    let position = seen_position(here);
-    let own = labelled_at(here.pixel).labels;
     let noise = pixel_noise(here.pixel + vec2u(view.origin), view.seed);
     let basis = tangent_frame(here.normal);
     // sample points are made in view space, where their pixel costs least
     let start = view_position(vec2f(here.pixel) + 0.5, here.depth);
-    let near_reach = radius_within(ssdo.near_radius, start, ssdo.limit);
-    let far_reach = radius_within(ssdo.far_radius, start, ssdo.limit);
     let m = view.view_from_scene;
-    let turned = mat3x3f(m[0].xyz, m[1].xyz, m[2].xyz) * basis;
+    let place = Place(
+        here,
+        seen_position(here),
+        labelled_at(here.pixel).labels,
+        noise,
+        basis,
+        mat3x3f(m[0].xyz, m[1].xyz, m[2].xyz) * basis,
+        start,
+        radius_within(ssdo.near_radius, start, ssdo.limit),
+        radius_within(ssdo.far_radius, start, ssdo.limit),
+    );
     var sum = Gathering(vec3f(0.0), 0.0);
     var indirect = vec3f(0.0);
-    for (var i = 0u; i < ssdo.samples + (i >> 31u); i += 1u) {
-        let u = fract(halton(i) + noise);
-        let upright = malley(u.xy);
-        let direction = basis * upright;
-        let step = u.z * (turned * upright);
-        var near = 0.0;
-        if (HAS_NEAR) {
-            let found = probe(start + near_reach * step, here, ssdo.near_radius);
-            near = found.occluded * ssdo.near_weight;
-            // light that is blurred widely needs no more than every second direction
-            if (HAS_BOUNCE && near > 0.0 && (i & 1u) == 0u) {
-                indirect += near * sent(found, start, direction, upright.z);
-            }
+    // light that is blurred widely needs no more than one direction in BOUNCE_EVERY: a loop, as
+    // lavapipe runs both sides of branches
+    var i = 0u;
+    while (i < ssdo.samples + (i >> 31u)) {
+        let near = look(i, place, &sum);
+        if (HAS_BOUNCE) {
+            indirect += near.share * sent(near.found, start, near.direction, near.cosine);
         }
-        let found = probe(start + far_reach * step, here, ssdo.far_radius);
-        var far = found.occluded;
-        if (!PLAIN && far > 0.0) {
-            far *= strangeness(found.there.labels, own);
+        let end = min(i + BOUNCE_EVERY, ssdo.samples);
+        for (i += 1u; i < end + (i >> 31u); i += 1u) {
+            look(i, place, &sum);
         }
-        gather(&sum, direction, (1.0 - near) * (1.0 - far), position);
     }
     store_gathered(here.pixel, sum, ssdo.samples, ssdo.strength);
     if (HAS_BOUNCE) {
-        textureStore(bounce, here.pixel, vec4f(indirect / f32((ssdo.samples + 1u) / 2u) * ssdo.bounce, 1.0));
+        let directions = (ssdo.samples + BOUNCE_EVERY - 1u) / BOUNCE_EVERY;
+        textureStore(bounce, here.pixel, vec4f(indirect / f32(directions) * ssdo.bounce, 1.0));
     }
 }
