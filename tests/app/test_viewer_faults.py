@@ -64,3 +64,29 @@ def test_a_page_that_cannot_be_drawn_is_told_why_and_another_goes_on(
             assert header["type"] == "picture"
 
     served(renderer, model, scenario)
+
+
+def test_a_scene_that_meets_a_fault_is_told_and_comes_back_with_undo(renderer, model, caplog):
+    screen = Screen(model, renderer, "rgba8unorm", lambda name, write: "")
+    screen.resize(200.0, 150.0, 1.0)
+    target = screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True)
+    screen.draw(target)
+    assert screen.view.error == ""
+    whole = screen.view.renderer.frame
+    dark = model.settings.replace(background="black")
+
+    def frame(scene, camera, settings, *more, **named):
+        if settings.background == "black":
+            raise IndexError("list index out of range")
+        return whole(scene, camera, settings, *more, **named)
+
+    screen.view.renderer.frame = frame
+    model.change(settings=dark)
+    screen.draw(target)
+    assert "a fault of scuro itself (IndexError" in screen.view.error
+    assert caplog.records[-1].exc_info[0] is IndexError
+    screen.draw(target)
+    model.undo()
+    screen.draw(target)
+    assert screen.view.error == "" and screen.view.drawn is not None
+    screen.close()

@@ -127,3 +127,13 @@ def test_sixty_thousand_atoms_leave_time_for_a_thousand_updates_a_second():
     for target in targets:
         position = c.moved(position, target)
     assert time.process_time() - start < 0.3
+
+
+def test_a_ray_meets_the_accessible_surface_where_it_enters_the_first_sphere():
+    c = Constraint(np.array([[0.0, 0, 0], [0, 0, -5]]), np.array([1.6, 1.6]), 1.4)
+    assert c.met((0.0, 0, 20), (0, 0, -1)) == pytest.approx([0, 0, 3], abs=1e-3)
+    assert c.met((1.8, 0, 20), (0, 0, -2)) == pytest.approx([1.8, 0, 2.4], abs=1e-3)
+    assert c.depth(c.met((1.8, 0, 20), (0, 0, -1))) < 0
+    assert c.met((4.0, 0, 20), (0, 0, -1)) is None
+    assert c.met((0.0, 0, 20), (0, 0, 1)) is None
+    assert c.met((0.0, 0, 1), (0, 0, 1)) is None, "begins inside"

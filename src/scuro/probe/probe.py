@@ -63,18 +63,29 @@ class Probe:
         scene: Whose molecules it touches, assemblies' copies included.
         settings: Its size and manners.
         start: Where to begin; moved out of the atoms if it must be.
+        eye: Where a place is looked for that is seen: if ``start`` is among atoms, the probe
+            begins on their accessible surface, on the way from here to there.
 
     Raises:
         SettingsError: There are no atoms, or too many.
     """
 
-    def __init__(self, scene: Scene, settings: ProbeSettings, start: ArrayLike) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        settings: ProbeSettings,
+        start: ArrayLike,
+        eye: ArrayLike | None = None,
+    ) -> None:
         from scuro.probe.solver import Constraint
 
         centers, radii = placed_atoms(scene, settings.select)
         self.settings = settings
         self.constraint = Constraint(centers, radii, settings.radius)
-        self.position = self.constraint.freed(start)
+        seen = None
+        if eye is not None and self.constraint.depth(start) >= 0:
+            seen = self.constraint.met(eye, np.subtract(start, eye))
+        self.position = self.constraint.freed(start) if seen is None else seen
         self.target = self.position.copy()
         self.path: list[list[float]] = []
         self.recording = False

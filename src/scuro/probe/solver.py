@@ -90,6 +90,27 @@ class Constraint:
         away = np.linalg.norm(g.centers - np.asarray(point, np.float64), axis=1)
         return float(np.max(g.radii - away))
 
+    def met(self, origin: ArrayLike, way: ArrayLike) -> NDArray[np.float64] | None:
+        """(3,) free place just before a ray enters the accessible surface; ``None`` if it misses.
+
+        Args:
+            origin: (3,) where the ray begins.
+            way: (3,) its direction.
+        """
+        g = self.grid
+        start, direction = np.asarray(origin, np.float64), np.asarray(way, np.float64)
+        direction = direction / np.linalg.norm(direction)
+        relative = g.centers - start
+        along = relative @ direction
+        off = (relative * relative).sum(axis=1) - along**2
+        radii = g.radii + 2 * SLACK
+        hit = (off < radii**2) & (along > 0)
+        if not hit.any():
+            return None
+        enter = along[hit] - np.sqrt(radii[hit] ** 2 - off[hit])
+        place: NDArray[np.float64] = start + (enter.min() - SLACK) * direction
+        return place if enter.min() > 0 and self.depth(place) < 0 else None
+
     def freed(self, point: ArrayLike) -> NDArray[np.float64]:
         """(3,) a free place near ``point``: the point itself, or one outside on the way out.
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from scuro.viewer import navigate
+from scuro.viewer.eyes import Eye, eye_at
 from scuro.viewer.handles import Handles
 from scuro.viewer.probing import Probing
 from scuro.viewer.under import depth_at, surface_at
@@ -98,15 +99,20 @@ class Controls:
     def _relative(self, point: tuple[float, float]) -> tuple[float, float]:
         return point[0] / self.logical[0], point[1] / self.logical[1]
 
+    def _eye(self, point: tuple[float, float]) -> Eye:
+        """The one whose picture is there."""
+        return eye_at(self.view.eyes(self.logical), point[0])
+
     # --- pointer -----------------------------------------------------------------------------
 
     def _down(self, event: dict[str, Any]) -> None:
         point = (event["x"], event["y"])
         self._start = self.pointer = point
         modifiers, button = event.get("modifiers", ()), event["button"]
-        held = [h for h in self._holders if button == LEFT and h.press(point, self.logical)]
+        eye = self._eye(point)
+        held = [h for h in self._holders if button == LEFT and h.press(point, eye)]
         if held:
-            self._drag = lambda last, now: held[0].drag(last, now, self.logical)
+            self._drag = lambda last, now: held[0].drag(last, now, self._eye(point))
         elif button == LEFT and self.view.windowing:
             self._drag = self._window
         else:
@@ -119,7 +125,9 @@ class Controls:
         keys = [key for key in modifiers if (button, key) in drags]
         does = drags.get((button, keys[0] if keys else ""))
         if does == TURN:
-            return self._roll if navigate.on_rim(point, self.logical) else self._orbit
+            eye = self._eye(point)
+            on_rim = navigate.on_rim(eye.local(point), eye.size)
+            return self._roll if on_rim else self._orbit
         if does is not None:
             self._depth = depth_at(self.view, *self._relative(point))
         return {SHIFT: self._pan, ZOOM: self._zoom_by_drag, None: None}.get(does)
@@ -157,15 +165,16 @@ class Controls:
             return
         depth = depth_at(self.view, *self._relative(point))
         camera = self.view.camera
-        anchor = navigate.unproject(camera, point, self.logical, depth)
+        anchor = self._eye(point).unproject(point, depth)
         self.view.move(navigate.zoom(camera, _STEP**notches, anchor))
 
     def _orbit(self, last: tuple[float, float], now: tuple[float, float]) -> None:
         move = (now[0] - last[0], now[1] - last[1])
-        self.view.move(navigate.orbit(self.view.camera, move, self.logical))
+        self.view.move(navigate.orbit(self.view.camera, move, self._eye(now).size))
 
     def _roll(self, last: tuple[float, float], now: tuple[float, float]) -> None:
-        self.view.move(navigate.roll(self.view.camera, last, now, self.logical))
+        eye = self._eye(self._start or now)
+        self.view.move(navigate.roll(self.view.camera, eye.local(last), eye.local(now), eye.size))
 
     def _zoom_by_drag(self, last: tuple[float, float], now: tuple[float, float]) -> None:
         camera = self.view.camera
@@ -180,7 +189,7 @@ class Controls:
 
     def _pan(self, last: tuple[float, float], now: tuple[float, float]) -> None:
         move = (now[0] - last[0], now[1] - last[1])
-        self.view.move(navigate.pan(self.view.camera, move, self.logical, self._depth))
+        self.view.move(navigate.pan(self.view.camera, move, self._eye(now).size, self._depth))
 
     # --- keys --------------------------------------------------------------------------------
 

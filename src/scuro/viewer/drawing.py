@@ -12,7 +12,9 @@ from scuro.passes.part import Part
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
+from scuro.scene.projection import Size
 from scuro.scene.scene import Scene
+from scuro.viewer.eyes import Eye, eyes_of
 from scuro.viewer.jobs import in_turns
 
 SLICE = 0.1
@@ -37,7 +39,14 @@ class Drawn:
     camera: Camera
     settings: Settings
     resources: dict[str, Any]
-    """``picture`` in output pixels; ``ids`` and ``surface`` in samples."""
+    """``picture`` in output pixels; ``ids`` and ``surface`` in samples: of both eyes side by side,
+    of the right one for red-cyan glasses, which have the other's ``left_ids`` besides."""
+    extent: float = 1.0
+    """Of the scene, which the distance of the eyes is a share of."""
+
+    def eyes(self, size: Size) -> tuple[Eye, ...]:
+        """Those that it is for, in the picture's pixels if it had this size."""
+        return eyes_of(self.camera, self.settings.stereo, self.extent, size)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -89,6 +98,9 @@ class Drawing:
         parts = renderer.parts(settings, bands=count)
         self._turn = 1 - self._turn
         made: dict[str, Any] = {}
+        kept = dict(self.kept)
+        if "ids" in kept and settings.stereo.mode == "red-cyan":
+            kept["left_ids"] = kept["ids"]
         seconds, pixels = 0.0, 0
         for index, part in enumerate(parts):
             start = self.clock()
@@ -106,14 +118,13 @@ class Drawing:
                     start = self.clock()
             else:
                 frame = renderer.frame(scene, camera, settings, part, accumulate=go_on)
-            for name, format in self.kept.items():
+            for name, format in kept.items():
                 source = frame.resources[name]
                 scale = source.size[0] // part.size[0]
                 if name not in made:
                     size = tuple(scale * s for s in settings.size)
                     made[name] = renderer.targets.get(f"{name} {self._turn}", size, format)
-                if name == "picture" or part.eye < 1:
-                    _keep(frame.recorder, source, made[name], part, scale)
+                _keep(frame.recorder, source, made[name], part, scale)
             renderer.timings = frame.recorder.submit()
             gpu.finish()
             seconds += self.clock() - start
@@ -121,7 +132,7 @@ class Drawing:
             if index + 1 < len(parts):
                 yield (index + 1) / len(parts)
         self.rate, self.seconds = seconds / pixels, seconds
-        yield Drawn(gpu, camera, settings, made)
+        yield Drawn(gpu, camera, settings, made, renderer.accelerator(scene).extent)
 
     def nothing(self) -> Generator[Drawn | float, None, None]:
         """A drawing that is done before it begins."""

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Cut, Plane
 from scuro.viewer import cube, navigate
+from scuro.viewer.eyes import Eye
 from scuro.viewer.navigate import Size
 from scuro.viewer.view import View
 
@@ -104,33 +105,33 @@ class Handles:
         """Of stalks, in the world."""
         return STALK * navigate.pixel_size(self.view.camera, (1, 1))
 
-    def near(self, point: Size, size: Size) -> Handle | None:
-        """The nearest handle within reach of a pixel position."""
+    def near(self, point: Size, eye: Eye) -> Handle | None:
+        """The nearest handle within reach of a pixel position, as an eye sees them."""
         handles = self.all() if self.shown else []
         if not handles:
             return None
-        places = navigate.project(self.view.camera, [h.world for h in handles], size)
+        places = eye.project([h.world for h in handles])
         away = np.hypot(places[:, 0] - point[0], places[:, 1] - point[1])
         away[~(places[:, 2] > 0)] = np.inf
         nearest = int(np.argmin(away))
         return handles[nearest] if away[nearest] <= REACH else None
 
-    def press(self, point: Size, size: Size) -> bool:
+    def press(self, point: Size, eye: Eye) -> bool:
         """Take hold of the nearest handle within reach; whether there is one."""
-        self.held = self.near(point, size)
+        self.held = self.near(point, eye)
         if self.held is not None and self.held.kind in (PUSH, TILT, ROCK):
             self.chosen = self.held.number
         return self.held is not None
 
-    def drag(self, last: Size, now: Size, size: Size) -> None:
+    def drag(self, last: Size, now: Size, eye: Eye) -> None:
         """Move what is held with the pointer."""
         held, camera = self.held, self.view.camera
         if held is None:
             return
-        depth = float(navigate.project(camera, [held.root], size)[0, 2])
+        depth = float(eye.project([held.root])[0, 2])
         if depth <= 0:
             return
-        step = navigate.pixel_size(camera, size, depth)
+        step = navigate.pixel_size(camera, eye.size, depth)
         right, up, _ = camera.view_from_world()[:3, :3]
         move = ((now[0] - last[0]) * right - (now[1] - last[1]) * up) * step
         if held.kind in (PUSH, TILT, ROCK):

@@ -68,6 +68,7 @@ class Model:
         """What is built beside the pages, to be shown when it is there."""
         self._read: Reading | None = None
         self._start: Any = None
+        self._eye: Any = None
         self._watchers: weakref.WeakSet[Any] = weakref.WeakSet()
         self.message = ""
         """The last error's sentence, for people."""
@@ -244,7 +245,9 @@ class Model:
             self.probe = None
         elif self.probe is None or self.probe.settings.atoms != settings.atoms:
             start = self._start if self.probe is None else self.probe.position
-            self.probe = Probe(self.scene, settings, self.middle if start is None else start)
+            eye = self._eye if self.probe is None else None
+            start = self.middle if start is None else start
+            self.probe = Probe(self.scene, settings, start, eye)
         else:
             self.probe.settings = settings
 
@@ -253,9 +256,12 @@ class Model:
         for watcher in list(self._watchers):
             watcher.scene_changed()
 
-    def set_probe(self, settings: ProbeSettings | None, start: Any = None) -> bool:
-        """Put a probe into the scene at a place that is moved out of the atoms, or take it away."""
-        self._start = start
+    def set_probe(self, settings: ProbeSettings | None, start: Any = None, eye: Any = None) -> bool:
+        """Put a probe into the scene at a place, or take it away.
+
+        A place among atoms is moved out of them; where it is seen from ``eye``, to their surface.
+        """
+        self._start, self._eye = start, eye
         return self.change(probe=settings)
 
     def lighted(self) -> Any:

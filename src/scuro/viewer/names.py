@@ -23,6 +23,7 @@ from scuro.render_marks import (
     name_extent,
     name_text,
     namer_of,
+    shifted,
     taken_by,
     tells_regions,
     text_size,
@@ -33,6 +34,7 @@ from scuro.style.labels import overlapping
 from scuro.style.marks import Mark
 from scuro.style.region_labels import RegionLabel, Survey, region_labels
 from scuro.viewer.drawing import Drawn
+from scuro.viewer.eyes import Eye, eye_at
 from scuro.viewer.playbar import room
 
 if TYPE_CHECKING:
@@ -92,17 +94,19 @@ class Names:
         return None
 
     def _named(self) -> bool:
-        settings = self.view.model.settings
-        return settings.labels.show != "none" and settings.stereo.mode == "none"
+        return self.view.model.settings.labels.show != "none"
 
-    def marks(self) -> list[Mark]:
-        """What to draw now, in the view's pixels."""
+    def marks(self, number: int = 0) -> list[Mark]:
+        """What to draw now for one of the view's eyes, in its pixels; names lie in their depth."""
         settings = self.view.full_settings
         drawn = self.view.drawn
         if drawn is None:
             return []
         fixed = self._fixed(settings, drawn)
-        return [*self._names(settings, drawn, fixed), *fixed]
+        eyes = drawn.eyes(settings.size)
+        eye = next((e for e in eyes if e.number == number), eyes[0])
+        names = self._names(settings, drawn, fixed, eye)
+        return [*names, *(shifted(mark, eye.start) for mark in fixed)]
 
     def _fixed(self, settings: Settings, drawn: Drawn) -> list[Mark]:
         scene = self.view.model.scene
@@ -125,7 +129,9 @@ class Names:
             marks += self._legend[1]
         return marks
 
-    def _names(self, settings: Settings, drawn: Drawn, fixed: Sequence[Mark]) -> list[Mark]:
+    def _names(
+        self, settings: Settings, drawn: Drawn, fixed: Sequence[Mark], eye: Eye
+    ) -> list[Mark]:
         now = self._clock()
         elapsed, self._last = min(now - self._last, FADE), now
         if not self._named():
@@ -139,7 +145,7 @@ class Names:
         if self._seen is not drawn and now - self._surveyed >= EVERY:
             self._survey(settings, drawn)
             self._seen, self._surveyed = drawn, now
-        return self._laid_out(settings, drawn, fixed, elapsed)
+        return self._laid_out(settings, drawn, fixed, eye, elapsed)
 
     def _survey(self, settings: Settings, drawn: Drawn) -> None:
         """Find out what there is to name; names stay on their points while these can be seen."""
@@ -167,9 +173,12 @@ class Names:
         return Sight(Standing(drawn.camera, settings, accelerator), self._look(drawn))
 
     def _look(self, drawn: Drawn) -> Survey:
+        """One eye's picture: that of the left one side by side."""
         gpu = drawn.gpu
-        width, height = drawn.size
-        size = (min(ACROSS, width), max(1, round(min(ACROSS, width) * height / width)))
+        eye = eye_at(drawn.eyes(drawn.size), 0.0)
+        width, height = eye.size
+        across = min(ACROSS, int(width))
+        size = (across, max(1, round(across * height / width)))
         if self._texture is None or self._texture.size[:2] != size:
             self._texture = gpu.texture(size, "rgba32uint", label="survey")
         recorder = gpu.recorder()
@@ -177,27 +186,33 @@ class Names:
             "ids": drawn.resources["ids"],
             "surface": drawn.resources["surface"],
             "surveyed": self._texture,
+            "look": {"size": eye.size, "end": width, "shift": -eye.shift},
         }
         recorder.compute("viewer/survey.wgsl", "main", size, resources)
         recorder.submit()
         found = gpu.read_texture(self._texture)
         depth = np.ascontiguousarray(found[..., 3]).view(np.float32)
-        return Survey(found, depth, drawn.camera)
+        return Survey(found, depth, eye.camera)
 
     def _laid_out(
-        self, settings: Settings, drawn: Drawn, fixed: Sequence[Mark], elapsed: float
+        self, settings: Settings, drawn: Drawn, fixed: Sequence[Mark], eye: Eye, elapsed: float
     ) -> list[Mark]:
-        """Give names their room, those that are shown first; let all fade toward their goals."""
+        """Give names their room, those that are shown first; let all fade toward their goals.
+
+        They are laid out once between the eyes.
+        """
         tracks = sorted(self._tracks.items(), key=lambda t: (t[1].opacity == 0, -t[1].label.area))
         if not tracks:
             return []
         size = eye_size(settings.stereo, settings.size)
         text = text_size(settings)
-        places = project(drawn.camera, [track.label.anchor for _, track in tracks], size)
+        anchors = [track.label.anchor for _, track in tracks]
+        places = project(drawn.camera, anchors, size)
+        seen = eye.project(anchors)
         taken = [*taken_by(fixed)]
         shown: list[Mark] = []
         count = 0
-        for (key, track), (x, y, depth) in zip(tracks, places, strict=True):
+        for (key, track), (x, y, depth), there in zip(tracks, places, seen, strict=True):
             w, h = name_extent(track.label.text, text)
             box = (x - w / 2, y - h / 2, x + w / 2, y + h / 2)
             fits = bool(
@@ -213,7 +228,11 @@ class Names:
             track.fresh = False
             track.opacity += min(max(track.goal - track.opacity, -step), step)
             if track.opacity > 0 and depth > 0:
-                shown.append(name_text(track.label, float(x), float(y), settings, track.opacity))
+                there_x, there_y = float(there[0]), float(there[1])
+                mark = name_text(track.label, there_x, there_y, settings, track.opacity)
+                left, _, right, _ = mark.box
+                if not eye.number or (eye.start <= left and right <= eye.start + size[0]):
+                    shown.append(mark)  # nothing of it in the other eye's picture
             elif not track.found:
                 del self._tracks[key]
         return shown

@@ -114,6 +114,14 @@ def fit(camera: Camera, bounds: NDArray, aspect: float, points: NDArray | None =
     )
 
 
+def viewpoint(camera: Camera) -> NDArray[np.float64]:
+    """(3,) a place on the line of sight to the target that is before everything seen."""
+    eye = np.asarray(camera.position, np.float64)
+    if not camera.orthographic:
+        return eye
+    return eye + 1e6 * camera.view_from_world()[2, :3]
+
+
 def pixel_ray(
     camera: Camera, pixel: Size, size: Size
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -14,6 +14,7 @@ from scuro.style.labels import Label, placed
 from scuro.style.marks import Rect
 from scuro.viewer import navigate
 from scuro.viewer.cube import EDGES
+from scuro.viewer.eyes import Eye, eye_at, pictures
 from scuro.viewer.handles import MOVE, PUSH, ROCK, TILT, Handles
 from scuro.viewer.measure import Measure, measures
 from scuro.viewer.pick import atom_name
@@ -34,50 +35,66 @@ _BAR = 120.0
 """Longest scale bar, pixels."""
 
 
-def draw_overlay(
-    view: View,
-    handles: Handles,
-    size: Size,
-    labels: Sequence[Label],
-    hover: tuple[str, Size | None],
-) -> None:
-    """Draw over the picture with ImGui, behind its windows.
+def draw_hung(view: View, handles: Handles, eye: Eye, labels: Sequence[Label]) -> None:
+    """Draw what hangs on places of the scene with ImGui, behind its windows, for one eye.
 
     Args:
-        view: Whose camera and selection.
+        view: Whose selection.
         handles: Of its clipping planes.
-        size: Logical pixels of the picture.
+        eye: Who sees it, in logical pixels.
         labels: Names to show at places.
+    """
+    from imgui_bundle import imgui
+
+    paper = imgui.get_background_draw_list()
+    found = measures([p.anchor for p in view.selection], scene_unit(view.model.scene))
+    taken = [_measure(paper, eye, measure) for measure in found]
+    _labels(paper, view, eye, labels, [box for box in taken if box is not None])
+    if handles.shown:
+        _handles(paper, handles, eye)
+
+
+def draw_flat(view: View, eyes: Sequence[Eye], hover: tuple[str, Size | None]) -> None:
+    """Draw what lies on the picture itself: side by side on both, without parallax.
+
+    Args:
+        view: Whose picture.
+        eyes: Who sees it, in logical pixels.
         hover: What is under the pointer, in words, and where it is.
     """
     from imgui_bundle import imgui
 
     paper = imgui.get_background_draw_list()
-    # where a picture of the view would have its own, these are drawn already
-    if not view.model.settings.axes.show:
-        _cross(paper, view, (50, size[1] - 50))
-    if not view.model.settings.scale_bar.show:
-        _scale_bar(paper, view, size)
-    found = measures([p.anchor for p in view.selection], scene_unit(view.model.scene))
-    taken = [_measure(paper, view, size, measure) for measure in found]
-    _labels(paper, view, size, labels, [box for box in taken if box is not None])
-    if handles.shown:
-        _handles(paper, view, handles, size)
-    if view.windowing:
-        _text(paper, (14, 12), "window and level: drag; w ends it")
     words, pointer = hover
-    if words and pointer is not None:
-        _hover(paper, pointer, size, words)
+    over = None if pointer is None else eye_at(eyes, pointer[0])
+    for eye in pictures(eyes):
+        # where a picture of the view would have its own, these are drawn already
+        if not view.model.settings.axes.show:
+            # as in pictures: above, where the legend has the corner
+            legend = view.model.settings.legend
+            above = legend.show and legend.corner == "lower left"
+            _cross(paper, view, (eye.start + 50, 50 if above else eye.size[1] - 50))
+        if not view.model.settings.scale_bar.show:
+            _scale_bar(paper, view, eye)
+        if view.windowing:
+            _text(paper, (eye.start + 14, 12), "window and level: drag; w ends it")
+        if words and pointer is not None and over is not None:
+            place = (pointer[0] - over.start + eye.start, pointer[1])
+            if eye.start != over.start:  # the pointer itself is in one picture only
+                paper.add_circle(place, 5.0, _EDGE, 24, 3.5)
+                paper.add_circle(place, 5.0, _HANDLE, 24, 1.5)
+            _hover(paper, place, eye, words)
 
 
-def _hover(paper: Any, pointer: Size, size: Size, words: str) -> None:
+def _hover(paper: Any, pointer: Size, eye: Eye, words: str) -> None:
     """Beside the pointer, inside the picture."""
     from imgui_bundle import imgui
 
     width, height = imgui.calc_text_size(words)
-    x = min(pointer[0] + 16, size[0] - width - 8)
-    y = pointer[1] + 18 if pointer[1] + 22 + height < size[1] else pointer[1] - height - 12
-    _text(paper, (max(x, 6), max(y, 4)), words)
+    x = min(pointer[0] + 16, eye.start + eye.size[0] - width - 8)
+    below = pointer[1] + 22 + height < eye.size[1]
+    y = pointer[1] + 18 if below else pointer[1] - height - 12
+    _text(paper, (max(x, eye.start + 6), max(y, 4)), words)
 
 
 def _cross(paper: Any, view: View, middle: Size) -> None:
@@ -97,10 +114,10 @@ def _cross(paper: Any, view: View, middle: Size) -> None:
             paper.add_text((x - width / 2, y - height / 2), color, name)
 
 
-def _scale_bar(paper: Any, view: View, size: Size) -> None:
-    pixel = navigate.pixel_size(view.camera, size)
+def _scale_bar(paper: Any, view: View, eye: Eye) -> None:
+    pixel = navigate.pixel_size(view.camera, eye.size)
     length, text = nice_length(_BAR * pixel, scene_unit(view.model.scene))
-    right, y = size[0] - 20, size[1] - 20
+    right, y = eye.start + eye.size[0] - 20, eye.size[1] - 20
     left = right - length / pixel
     paper.add_rect_filled((left - 1, y - 1), (right + 1, y + 4), PAPER)
     paper.add_rect_filled((left, y), (right, y + 3), INK)
@@ -108,7 +125,7 @@ def _scale_bar(paper: Any, view: View, size: Size) -> None:
 
 
 def _labels(
-    paper: Any, view: View, size: Size, labels: Sequence[Label], taken: Sequence[Rect]
+    paper: Any, view: View, eye: Eye, labels: Sequence[Label], taken: Sequence[Rect]
 ) -> None:
     from imgui_bundle import imgui
 
@@ -118,9 +135,13 @@ def _labels(
     for label in labels:
         width, height = imgui.calc_text_size(label.text)
         extents.append((width, height))
-    places = navigate.project(view.camera, [label.position for label in labels], size)
-    for index, corner in placed(places, extents, size, taken=taken):
-        _text(paper, corner, labels[index].text)
+    anchors = [label.position for label in labels]
+    # both eyes see them laid out alike, each at its anchor's depth
+    places = navigate.project(view.camera, anchors, eye.size)
+    moved = eye.project(anchors) - places
+    free = [(left - eye.start, top, right - eye.start, low) for left, top, right, low in taken]
+    for index, (x, y) in placed(places, extents, eye.size, taken=free):
+        _text(paper, (x + moved[index, 0], y + moved[index, 1]), labels[index].text)
 
 
 def selection_labels(view: View) -> list[Label]:
@@ -132,11 +153,11 @@ def selection_labels(view: View) -> list[Label]:
     ]
 
 
-def _measure(paper: Any, view: View, size: Size, measure: Measure) -> Rect | None:
+def _measure(paper: Any, eye: Eye, measure: Measure) -> Rect | None:
     """Draw a measure; what its words cover."""
     from imgui_bundle import imgui
 
-    places = navigate.project(view.camera, measure.points, size)
+    places = eye.project(measure.points)
     if not (places[:, 2] > 0).all():
         return None
     for a, b in itertools.pairwise(places):
@@ -147,7 +168,7 @@ def _measure(paper: Any, view: View, size: Size, measure: Measure) -> Rect | Non
     return x - 3, y - 2, x + width + 3, y + height + 2
 
 
-def _handles(paper: Any, view: View, handles: Handles, size: Size) -> None:
+def _handles(paper: Any, handles: Handles, eye: Eye) -> None:
     from imgui_bundle import imgui
 
     every = handles.all()
@@ -155,20 +176,20 @@ def _handles(paper: Any, view: View, handles: Handles, size: Size) -> None:
         return
     corners = handles.corners()
     if corners is not None:
-        places = navigate.project(view.camera, corners, size)
+        places = eye.project(corners)
         seen = [(a, b) for a, b in EDGES if (places[[a, b], 2] > 0).all()]
         for ink, width in ((_EDGE, 3.0), (_HANDLE, 1.5)):
             for a, b in seen:
                 paper.add_line(tuple(places[a, :2]), tuple(places[b, :2]), ink, width)
     for number, ring in enumerate(handles.rings()):
-        around = navigate.project(view.camera, ring, size)
+        around = eye.project(ring)
         if (around[:, 2] > 0).all():
             points = [imgui.ImVec2(x, y) for x, y in around[:, :2].tolist()]
             color = ACCENT if handles.chosen == number else _HANDLE
             for ink, width in ((_EDGE, 3.0), (color, 1.5)):
                 paper.add_polyline(points, ink, width, imgui.ImDrawFlags_.closed)
-    places = navigate.project(view.camera, [h.world for h in every], size)
-    roots = navigate.project(view.camera, [h.root for h in every], size)
+    places = eye.project([h.world for h in every])
+    roots = eye.project([h.root for h in every])
     for handle, place, root in zip(every, places, roots, strict=True):
         if not (place[2] > 0 and root[2] > 0):
             continue
@@ -185,9 +206,9 @@ def _handles(paper: Any, view: View, handles: Handles, size: Size) -> None:
         paper.add_circle_filled(middle, radius, color)
 
 
-def arrow(paper: Any, view: View, size: Size, start: Any, vector: Any, color: int) -> None:
-    """An arrow from a world point along a world vector."""
-    places = navigate.project(view.camera, [start, np.add(start, vector)], size)
+def arrow(paper: Any, eye: Eye, start: Any, vector: Any, color: int) -> None:
+    """An arrow from a world point along a world vector, as an eye sees it."""
+    places = eye.project([start, np.add(start, vector)])
     if not (places[:, 2] > 0).all():
         return
     a, b = places[:, :2]

@@ -14,7 +14,8 @@ from scuro.scene.items import MoleculeItem
 from scuro.scene.molecule import Molecule
 from scuro.scene.scene import Scene
 from scuro.viewer.drawing import Drawn
-from scuro.viewer.navigate import Size, unproject
+from scuro.viewer.eyes import eye_at
+from scuro.viewer.navigate import Size
 
 _NOTHING = 0xFFFFFFFF
 
@@ -77,7 +78,7 @@ def pick(drawn: Drawn, scene: Scene, x: float, y: float) -> Pick | None:
         return None
     depth = float(drawn.gpu.read_texel(drawn.resources["surface"], column, row)[3])
     pixel: Size = (column + 0.5, row + 0.5)
-    place = unproject(drawn.camera, pixel, drawn.size, depth)
+    place = eye_at(drawn.eyes(drawn.size), pixel[0]).unproject(pixel, depth)
     for owner, (item, part, body, first) in enumerate(placed_bodies(scene)):
         if owner == int(ids[2]):
             element = int(ids[0].astype(np.int32))

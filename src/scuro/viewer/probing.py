@@ -14,6 +14,7 @@ import numpy as np
 from scuro.errors import SettingsError
 from scuro.probe.probe import Probe, ProbeSettings
 from scuro.viewer import navigate
+from scuro.viewer.eyes import Eye
 from scuro.viewer.navigate import Size
 from scuro.viewer.view import View
 
@@ -61,13 +62,14 @@ class Probing:
         return self._wanted if self.probe is None else self.probe.settings
 
     def toggle(self) -> None:
-        """Put a probe where the camera looks, moved out of the atoms, or take it away."""
+        """Put a probe where the camera looks, onto the atoms there, or take it away."""
         model = self.view.model
         if model.probe is not None:
             self._wanted = model.probe.settings
             model.set_probe(None)
         else:
-            model.set_probe(self._wanted, self.view.camera.target)
+            camera = self.view.camera
+            model.set_probe(self._wanted, camera.target, navigate.viewpoint(camera))
 
     def change(self, settings: ProbeSettings) -> None:
         """Take other settings."""
@@ -105,21 +107,21 @@ class Probing:
         self.probe.move(self.probe.position + way)
         self.view.model.tell()
 
-    def press(self, point: Size, size: Size) -> bool:
+    def press(self, point: Size, eye: Eye) -> bool:
         """Take hold of the probe, if it is there."""
         if self.probe is None:
             return False
-        x, y, depth = navigate.project(self.view.camera, [self.probe.position], size)[0]
-        reach = self._pixels(size, depth) + 4
+        x, y, depth = eye.project([self.probe.position])[0]
+        reach = self._pixels(eye, depth) + 4
         return bool(depth > 0 and np.hypot(x - point[0], y - point[1]) <= reach)
 
-    def drag(self, last: Size, now: Size, size: Size) -> None:
+    def drag(self, last: Size, now: Size, eye: Eye) -> None:
         """Move the hand in the plane of the picture."""
         if self.probe is None:
             return
         camera = self.view.camera
-        depth = float(navigate.project(camera, [self.probe.target], size)[0, 2])
-        step = navigate.pixel_size(camera, size, depth)
+        depth = float(eye.project([self.probe.target])[0, 2])
+        step = navigate.pixel_size(camera, eye.size, depth)
         right, up, _ = camera.view_from_world()[:3, :3]
         move = ((now[0] - last[0]) * right - (now[1] - last[1]) * up) * step
         self.probe.move(self.probe.target + move)
@@ -132,10 +134,10 @@ class Probing:
             self.view.model.tell()
         return False
 
-    def _pixels(self, size: Size, depth: float) -> float:
+    def _pixels(self, eye: Eye, depth: float) -> float:
         """Radius of the probe on the screen."""
         radius = self.settings.radius
-        return radius / navigate.pixel_size(self.view.camera, size, max(depth, 1e-6))
+        return radius / navigate.pixel_size(eye.camera, eye.size, max(depth, 1e-6))
 
     # --- path --------------------------------------------------------------------------------
 
@@ -170,8 +172,8 @@ class Probing:
 
     # --- drawing -----------------------------------------------------------------------------
 
-    def draw(self, size: Size) -> None:
-        """The probe, the hand, the force and the path, over the picture."""
+    def draw(self, eye: Eye) -> None:
+        """The probe, the hand, the force and the path, over the picture, for an eye."""
         from imgui_bundle import imgui
 
         from scuro.viewer.overlay import arrow
@@ -179,20 +181,20 @@ class Probing:
         probe = self.probe
         if probe is None:
             return
-        paper, camera = imgui.get_background_draw_list(), self.view.camera
+        paper = imgui.get_background_draw_list()
         if len(probe.path) > 1:
-            places = navigate.project(camera, probe.path, size)
+            places = eye.project(probe.path)
             for a, b in itertools.pairwise(places):
                 if a[2] > 0 and b[2] > 0:
                     paper.add_line(tuple(a[:2]), tuple(b[:2]), _PATH, 2.0)
-        (x, y, depth), hand = navigate.project(camera, [probe.position, probe.target], size)
+        (x, y, depth), hand = eye.project([probe.position, probe.target])
         if depth <= 0:
             return
-        radius = self._pixels(size, depth)
+        radius = self._pixels(eye, depth)
         _ball(paper, (x, y), radius)
         if (probe.force != 0).any() and hand[2] > 0:
             paper.add_circle_filled((hand[0], hand[1]), 3.0, _HAND)
-            arrow(paper, self.view, size, probe.position, _FORCE * probe.force, _ARROW)
+            arrow(paper, eye, probe.position, _FORCE * probe.force, _ARROW)
 
 
 def _ball(paper: Any, middle: Size, radius: float) -> None:

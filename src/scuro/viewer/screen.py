@@ -6,6 +6,7 @@ import logging
 import math
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,14 @@ from scuro.render import Renderer
 from scuro.viewer import navigate
 from scuro.viewer.controls import Controls
 from scuro.viewer.drawing import Drawn
+from scuro.viewer.eyes import Eye
+from scuro.viewer.glasses import Glasses
 from scuro.viewer.gui import Gui
 from scuro.viewer.handles import Handles
 from scuro.viewer.marks import draw_marks
 from scuro.viewer.model import Model
 from scuro.viewer.names import Names
-from scuro.viewer.overlay import draw_overlay
+from scuro.viewer.overlay import draw_flat, draw_hung
 from scuro.viewer.panel import WIDTH as PANEL_WIDTH
 from scuro.viewer.panel import Panel
 from scuro.viewer.pick import instance_number
@@ -32,6 +35,10 @@ log = logging.getLogger(__name__)
 _MOST_OUTLINED = 32
 """As in screen.wgsl."""
 _OUTLINE = (1.0, 0.55, 0.0, 1.0)
+_OUTLINE_OF_GLASSES = (1.0, 0.9, 0.1, 1.0)
+"""Bright for both eyes."""
+_STEREO = {"side-by-side": 1, "red-cyan": 2}
+"""As in screen.wgsl."""
 LARGEST = 8192
 """Pixels along a side of the largest picture a screen may ask for."""
 MOST_PIXELS = 1 << 24
@@ -67,6 +74,7 @@ class Screen:
         self.probing = Probing(self.view)
         self.controls = Controls(self.view, self.handles, self.probing)
         self.gui = Gui(self.gpu, format)
+        self.glasses = Glasses(self.gpu, format)
         self.panel = Panel(self.view, self.handles, self.probing, deliver, listing, elsewhere)
         self.play_bar = PlayBar(self.view)
         self.names = Names(self.view, time.perf_counter)
@@ -164,7 +172,12 @@ class Screen:
         shown = time.perf_counter()
         self._show(drawn, target)
         self._look()
-        self.gui.draw(target.create_view(), self.logical, self.ratio, self._interface)
+        over = target.create_view()
+        if self._joined:
+            for eye in self.view.eyes(self.controls.logical):
+                hung = partial(self._hang, eye)
+                self.glasses.draw(eye.number, over, self.logical, self.ratio, hung)
+        self.gui.draw(over, self.logical, self.ratio, self._interface)
         beside = ready - begun + time.perf_counter() - shown
         pacing = self.view.pacing
         pacing.beside += 0.2 * (min(beside, 0.5 * pacing.target) - pacing.beside)
@@ -180,14 +193,30 @@ class Screen:
 
     def _interface(self) -> None:
         picture = self.controls.logical
-        self.probing.draw(picture)
-        hover = (self._hover, self.controls.pointer)
-        from imgui_bundle import imgui
-
-        draw_marks(imgui.get_background_draw_list(), self.names.marks(), self.ratio)
-        draw_overlay(self.view, self.handles, picture, self.panel.labels(), hover)
+        eyes = self.view.eyes(picture)
+        if not self._joined:
+            for eye in eyes:
+                self._hang(eye)
+        draw_flat(self.view, eyes, (self._hover, self.controls.pointer))
         self.play_bar.draw(picture)
         self.panel.draw(self.logical)
+
+    @property
+    def _joined(self) -> bool:
+        """Whether both eyes' pictures lie on each other."""
+        return self.model.settings.stereo.mode == "red-cyan"
+
+    def _hang(self, eye: Eye) -> None:
+        """What an eye sees on places of the scene."""
+        from imgui_bundle import imgui
+
+        paper = imgui.get_background_draw_list()
+        end = (eye.start + eye.size[0], eye.size[1])
+        paper.push_clip_rect((eye.start, 0.0), end, True)
+        self.probing.draw(eye)
+        draw_marks(paper, self.names.marks(eye.number), self.ratio)
+        draw_hung(self.view, self.handles, eye, self.panel.labels())
+        paper.pop_clip_rect()
 
     def _look(self) -> None:
         """Ask what is under a pointer that came to rest; not while things move."""
@@ -213,20 +242,24 @@ class Screen:
         picks = [p for p in self.view.selection if p.element >= 0][:_MOST_OUTLINED]
         numbers = [(p.element, instance_number(scene, p)) for p in picks]
         chosen = [(element, n, 0, 0) for element, n in numbers if n is not None]
+        stereo = _STEREO.get(drawn.settings.stereo.mode, 0)
         uniform = {
             "size": self.view.full_settings.size,
             "selected": len(chosen),
             "reach": max(1, round(self.ratio * drawn.size[1] / self.view.size[1])),
-            "color": _OUTLINE,
+            "color": _OUTLINE if stereo < 2 else _OUTLINE_OF_GLASSES,
+            "stereo": stereo,
             "list": chosen or [(0, 0, 0, 0)],
         }
-        resources = {"screen": uniform, **drawn.resources}
+        left = {"left_ids": drawn.resources["ids"]}
+        resources = {"screen": uniform, **left, **drawn.resources}
         recorder.draw("viewer/screen.wgsl", {"screen": target}, 3, 1, resources, clear=True)
         recorder.submit()
 
     def close(self) -> None:
         """Free what this screen holds."""
         self.panel.jobs.close()
+        self.glasses.close()
         self.gui.close()
 
 

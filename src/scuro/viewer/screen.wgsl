@@ -8,6 +8,8 @@ struct Screen {
     // half the width of outlines, in texels of the picture
     reach: i32,
     color: vec4f,
+    // 0 for one eye, 1 for two side by side, 2 for red-cyan glasses
+    stereo: u32,
     // element and instance of each selected thing
     list: array<vec4u, 32>,
 }
@@ -15,6 +17,8 @@ struct Screen {
 @group(0) @binding(0) var<uniform> screen: Screen;
 @group(0) @binding(1) var picture: texture_2d<f32>;
 @group(0) @binding(2) var ids: texture_2d<u32>;
+// of the left eye, with glasses; ids otherwise
+@group(0) @binding(3) var left_ids: texture_2d<u32>;
 
 // behind the panel
 const BESIDE = vec4f(0.1, 0.1, 0.11, 1.0);
@@ -41,12 +45,37 @@ fn smooth_color(place: vec2f) -> vec4f {
     return mix(above, below, part.y);
 }
 
-fn is_selected(at: vec2i) -> bool {
-    let last = vec2i(textureDimensions(ids)) - 1;
-    let id = textureLoad(ids, clamp(at, vec2i(0), last), 0);
+fn is_selected(at: vec2i, left: bool) -> bool {
+    var id: vec4u;
+    if (left) {
+        id = textureLoad(left_ids, at, 0);
+    } else {
+        id = textureLoad(ids, at, 0);
+    }
     for (var i = 0u; i < screen.selected; i++) {
         if (all(id.xy == screen.list[i].xy)) {
             return true;
+        }
+    }
+    return false;
+}
+
+// Whether the outline of something selected passes here, in the left eye's or the only picture.
+fn outlined(place: vec2i, left: bool) -> bool {
+    let size = vec2i(textureDimensions(ids));
+    var low = vec2i(0);
+    var high = size - 1;
+    if (screen.stereo == 1u) {
+        // the other eye's picture is not beside this one's
+        low.x = select(0, size.x / 2, place.x >= size.x / 2);
+        high.x = low.x + size.x / 2 - 1;
+    }
+    let here = is_selected(clamp(place, low, high), left);
+    for (var y = -screen.reach; y <= screen.reach; y++) {
+        for (var x = -screen.reach; x <= screen.reach; x++) {
+            if (is_selected(clamp(place + vec2i(x, y), low, high), left) != here) {
+                return true;
+            }
         }
     }
     return false;
@@ -64,13 +93,10 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         return color;
     }
     let at = vec2i(place * vec2f(textureDimensions(ids)) / vec2f(textureDimensions(picture)));
-    let here = is_selected(at);
-    for (var y = -screen.reach; y <= screen.reach; y++) {
-        for (var x = -screen.reach; x <= screen.reach; x++) {
-            if (is_selected(at + vec2i(x, y)) != here) {
-                return screen.color;
-            }
-        }
+    let marked = outlined(at, false);
+    var mask = vec4<bool>(marked);
+    if (screen.stereo == 2u) {
+        mask.x = outlined(at, true);  // each eye sees its own outline
     }
-    return color;
+    return select(color, screen.color, mask);
 }

@@ -10,6 +10,7 @@ from typing import Any
 from scuro.scene.reservoir import ReservoirItem
 from scuro.viewer import navigate
 from scuro.viewer.cell import cell_at, cell_sentence
+from scuro.viewer.eyes import eye_at
 from scuro.viewer.pick import Pick, pick, sentence
 from scuro.viewer.view import View
 from scuro.viewer.voxel import voxel_at, voxel_sentence
@@ -47,8 +48,9 @@ def depth_at(view: View, x: float, y: float) -> float:
 
 def _inside(view: View, x: float, y: float) -> Any:
     """The voxel or cell that is seen there: its item, and its index, value and depth."""
-    model, camera, size = view.model, view.camera, view.size
-    pixel = (x * size[0], y * size[1])
+    model, (width, height) = view.model, view.size
+    eye = eye_at(view.eyes(view.size), x * width)
+    camera, size, pixel = eye.camera, eye.size, eye.on_axis((x * width, y * height))
     for item in model.scene.volumes:
         found = voxel_at(item, model.settings.volume, model.clip, camera, pixel, size)
         if found is not None:

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
 from scuro.errors import ScuroError
+from scuro.passes.post.stereo import eye_size
 from scuro.render import Renderer
 from scuro.render_marks import SMALLEST_TEXT, text_size
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
+from scuro.scene.projection import Size
 from scuro.scene.view import ViewSettings, scene_points, view_camera
 from scuro.viewer import navigate
 from scuro.viewer.drawing import Drawing, Drawn
+from scuro.viewer.eyes import Eye, eyes_of
 from scuro.viewer.model import Model
 from scuro.viewer.pacing import GPU_TARGET, SOFTWARE_TARGET, Pacing, moving_size
 from scuro.viewer.pick import Pick
 from scuro.viewer.refine import Step, coarse, plain, steps
+
+log = logging.getLogger(__name__)
 
 REST = 0.25
 """Seconds without a change after which the picture is no longer moving."""
@@ -89,8 +95,19 @@ class View:
 
     def initial_camera(self) -> Camera:
         """As the document says, for this size."""
-        aspect = self.size[0] / self.size[1]
-        return view_camera(self.model.scene, self.model.document.view, aspect)
+        return view_camera(self.model.scene, self.model.document.view, self.aspect)
+
+    @property
+    def aspect(self) -> float:
+        """Width over height of what an eye sees."""
+        settings = self.model.settings
+        width, height = eye_size(settings.stereo, _drawn_size(settings, self.size))
+        return width / height
+
+    def eyes(self, size: Size) -> tuple[Eye, ...]:
+        """Those that the picture is for, in its pixels if it has this size."""
+        extent = 1.0 if self.drawn is None else self.drawn.extent
+        return eyes_of(self.camera, self.model.settings.stereo, extent, size)
 
     # --- what is to be drawn -----------------------------------------------------------------
 
@@ -223,8 +240,18 @@ class View:
             elif not self.complete:
                 self._draw_resting()
         except ScuroError as error:
-            self.drawn, self.error, self.share, self._work = None, str(error), 1.0, None
+            self._give_up(str(error))
+        except Exception as error:
+            log.exception("the scene could not be drawn")
+            self._give_up(
+                f"a fault of scuro itself ({type(error).__name__}: {error}): undo the last change"
+            )
         return self.drawn
+
+    def _give_up(self, why: str) -> None:
+        """The scene cannot be drawn as it is; the next change tries again."""
+        self._break_off()
+        self.drawn, self.error, self.share, self._work = None, why, 1.0, None
 
     @property
     def drawable(self) -> bool:
@@ -290,9 +317,8 @@ class View:
         """See all of the scene from the same side."""
         scene = self.model.scene
         points = scene_points(scene)
-        aspect = self.size[0] / self.size[1]
         bounds = scene.bounds()
-        self.move(navigate.fit(self.camera, bounds, aspect, points if len(points) else None))
+        self.move(navigate.fit(self.camera, bounds, self.aspect, points if len(points) else None))
 
     def select(self, found: Pick | None, add: bool = False) -> None:
         """Select what was picked, or nothing; with ``add``, besides what is selected."""

@@ -29,10 +29,14 @@ def attach(canvas: Any, loop: Any, model: Model, renderer: Renderer) -> Screen:
     context.configure(device=gpu.device, format=format)
     screen = Screen(model, renderer, format, save_beside)
 
+    shown: list[Any] = [None]
+
     def draw() -> None:
-        width, height = canvas.get_logical_size()
-        if (width, height) != screen.logical:
-            screen.resize(width, height, canvas.get_pixel_ratio())
+        asked = (*canvas.get_logical_size(), canvas.get_pixel_ratio())
+        if asked != shown[0]:
+            # also where a window is taken to a sharper screen and keeps its size
+            screen.resize(*asked)
+            shown[0] = asked
         screen.draw(context.get_current_texture())
         again()
 

@@ -43,7 +43,7 @@ def eye_size(settings: StereoSettings, size: tuple[int, int]) -> tuple[int, int]
 
 
 def eye_camera(
-    camera: Camera, eye: int, separation: float, height: int
+    camera: Camera, eye: int, separation: float, height: float
 ) -> tuple[Camera, tuple[float, float]]:
     """An eye's camera, and the shift of its picture in pixels.
 
@@ -71,16 +71,20 @@ def eye_camera(
 
 
 def keep_left_eye(frame: Frame) -> None:
-    """Set ``color`` aside for :func:`join_eyes` of the right eye's frame."""
+    """Set ``color`` and ``ids`` aside for :func:`join_eyes` of the right eye's frame."""
     color = frame.resources["color"]
     left = frame.target("left_eye", "rgba16float", size=color.size[:2])
     frame.recorder.copy_texture(color, left)
+    ids = frame.resources["ids"]
+    frame.recorder.copy_texture(ids, frame.target("left_ids", "rgba32uint", size=ids.size[:2]))
 
 
 def join_eyes(frame: Frame) -> None:
     """Make the red–cyan picture of the left eye's ``color`` and this frame's."""
     right = frame.resources["color"]
     left = frame.targets.get("left_eye", right.size[:2], "rgba16float")
+    ids = frame.resources["ids"]
+    frame.resources["left_ids"] = frame.targets.get("left_ids", ids.size[:2], "rgba32uint")
     background = premultiplied(frame.settings.background)
     frame.replace_color(
         "passes/post/anaglyph.wgsl", {"left": left, "anaglyph": {"background": background}}

@@ -1,0 +1,118 @@
+"""Stereo in the viewer: what lies over the picture is seen by each eye where it should be."""
+
+import numpy as np
+import pytest
+from test_viewer_screen import move, rest, screen_of
+
+from scuro.scene.clip import Cut
+from scuro.viewer.eyes import eye_at
+from scuro.viewer.pick import pick
+
+SIZE = (420.0, 240.0)
+MODES = ("side-by-side", "red-cyan")
+
+
+@pytest.fixture(params=MODES)
+def screen(renderer, request):
+    screen = screen_of(renderer, SIZE, stereo__mode=request.param)
+    rest(screen)
+    yield screen
+    screen.close()
+
+
+def middle_pick(screen):
+    """An atom in the middle of the (last) eye's picture."""
+    eye = screen.view.eyes(SIZE)[-1]
+    x = (eye.start + eye.size[0] / 2) / SIZE[0]
+    return pick(screen.view.drawn, screen.model.scene, x, 0.5)
+
+
+def test_an_atom_is_picked_where_each_eye_sees_it(screen):
+    drawn, scene = screen.view.drawn, screen.model.scene
+    found = middle_pick(screen)
+    eyes = drawn.eyes(drawn.size)
+    x, y, _ = eyes[-1].project([found.position])[0]
+    assert (x, y) == pytest.approx(
+        (eyes[-1].start + eyes[-1].size[0] / 2, drawn.size[1] / 2), abs=1.01
+    )
+    if eyes[0].start != eyes[-1].start:
+        other = eyes[0].project([found.position])[0]
+        again = pick(drawn, scene, other[0] / drawn.size[0], other[1] / drawn.size[1])
+        assert again.same_place(found)
+        assert np.linalg.norm(np.subtract(again.position, found.position)) < 0.3
+        assert abs(other[0] - (x - eyes[1].start)) > 1, "no parallax: this shows nothing"
+
+
+def test_the_outline_of_an_atom_is_about_it_in_both_eyes(screen):
+    before = rest(screen).astype(int)
+    found = middle_pick(screen)
+    screen.view.select(found)
+    move(screen, 5.0, 5.0)
+    changed = np.abs(rest(screen).astype(int) - before) > 60
+    for eye in screen.view.eyes(SIZE):
+        x, y = eye.project([found.anchor])[0, :2]
+        here = changed.copy()
+        if screen._joined:
+            here[..., [1, 2] if eye.number < 0 else [0]] = False
+        here = here.any(axis=-1)
+        here[:, : int(eye.start)] = False
+        here[:, int(eye.start + eye.size[0]) :] = False
+        here[:20, :] = False
+        rows, columns = np.nonzero(here)
+        near = np.hypot(columns + 0.5 - x, rows + 0.5 - y) < 16
+        assert near.sum() > 15, eye.number
+        middle = columns[near].mean() + 0.5, rows[near].mean() + 0.5
+        assert middle == pytest.approx((x, y), abs=5.0)
+
+
+def test_a_handle_is_held_where_each_eye_sees_it(screen):
+    model = screen.model
+    target = np.asarray(screen.view.camera.target)
+    toward = screen.view.camera.view_from_world()[2, :3]
+    point = tuple((target + 16.0 * toward).tolist())
+    model.change(clip=(Cut(normal=(1.0, 0.0, 0.0), point=point),))
+    rest(screen)
+    eyes = screen.view.eyes(SIZE)
+    places = [eye.project([point])[0] for eye in eyes]
+    parallax = (places[1][0] - eyes[1].start) - (places[0][0] - eyes[0].start)
+    assert parallax < -3  # nearer than the target: crossed
+    for eye, (x, y, _) in zip(eyes, places, strict=True):
+        assert screen.handles.near((x, y), eye).kind == "push"
+        assert eye.unproject((x, y), eye.project([point])[0, 2]) == pytest.approx(point)
+    if not screen._joined:
+        for x, y, _ in places:
+            assert eye_at(eyes, x) is eyes[int(x >= SIZE[0] / 2)]
+            press = {"event_type": "pointer_down", "x": x, "y": y, "button": 1, "modifiers": ()}
+            screen.controls.handle(press)
+            assert screen.handles.held.kind == "push"
+            screen.controls.handle({**press, "event_type": "pointer_up"})
+        screen.handles.chosen = None
+    # the knob is drawn there, light in the middle
+    shown = rest(screen)
+    for eye, (x, y, _) in zip(eyes, places, strict=True):
+        knob = shown[int(y), int(x)]
+        if screen._joined:
+            knob = knob[[0] if eye.number < 0 else [1, 2]]
+        assert (knob > 200).all(), eye.number
+
+
+def test_names_hang_on_their_places_in_both_eyes(renderer):
+    screen = screen_of(
+        renderer, SIZE, stereo__mode="side-by-side", labels__show="residues", labels__most=6
+    )
+    rest(screen)
+    screen.names._clock = lambda: screen.names._surveyed + 100.0
+    screen.names.marks(-1)
+    ratios = []
+    eyes = screen.view.drawn.eyes(screen.view.full_settings.size)
+    shown = [{m.text: m for m in screen.names.marks(n) if hasattr(m, "text")} for n in (-1, 1)]
+    both = set(shown[0]) & set(shown[1])
+    tracks = {t.label.text: t for t in screen.names._tracks.values() if t.opacity > 0}
+    for text in both & set(tracks):
+        for eye, marks in zip(eyes, shown, strict=True):
+            x = eye.project([tracks[text].label.anchor])[0, 0]
+            assert marks[text].x == pytest.approx(x, abs=1e-6)
+            assert eye.start <= marks[text].x <= eye.start + eye.size[0]
+        ratios.append(text)
+    assert ratios, "no name in both pictures"
+    screen.close()
