@@ -88,6 +88,7 @@ def test_a_handle_is_held_where_each_eye_sees_it(screen):
             screen.controls.handle({**press, "event_type": "pointer_up"})
         screen.handles.chosen = None
     # the knob is drawn there, light in the middle
+    move(screen, 5.0, 5.0)
     shown = rest(screen)
     for eye, (x, y, _) in zip(eyes, places, strict=True):
         knob = shown[int(y), int(x)]
