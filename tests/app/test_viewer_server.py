@@ -174,6 +174,41 @@ def test_rubbish_floods_and_vanishing_do_not_disturb_another_page(renderer, mode
     served(renderer, model, scenario)
 
 
+def test_probe_messages_that_are_all_there_are_answered_in_turn_with_others(model):
+    """Without waiting for a network between them: only the turn that each gives lets others run."""
+    pytest.importorskip("numba", reason="needs the viewer extra")
+    model.set_probe(ProbeSettings(light=False))
+
+    class Message:
+        data = "{}"
+
+    class Socket:
+        answers = 0
+
+        async def __aiter__(self):
+            for _ in range(50):
+                yield Message
+
+        async def send_str(self, text):
+            self.answers += 1
+
+    async def scenario():
+        socket, seen = Socket(), []
+
+        async def other():
+            while True:
+                seen.append(socket.answers)
+                await asyncio.sleep(0)
+
+        task = asyncio.create_task(other())
+        await stream_handler(model)(socket)
+        task.cancel()
+        return socket.answers, len(seen)
+
+    answers, turns = asyncio.run(scenario())
+    assert answers == 50 and turns >= 50
+
+
 def test_a_program_that_floods_the_probe_leaves_pages_their_turn(renderer, model):
     pytest.importorskip("numba", reason="needs the viewer extra")
     from scuro.probe.probe import ProbeSettings

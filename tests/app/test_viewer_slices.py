@@ -1,6 +1,7 @@
 """Long pictures are drawn in slices: the same pictures, and other pages have their turn."""
 
 import itertools
+from concurrent.futures import Future
 
 import numpy as np
 import pytest
@@ -109,4 +110,53 @@ def test_another_page_is_drawn_between_the_slices_of_a_long_picture(
         seen += other.drawn is not before and view.share == share
     assert view.complete and seen > 30
     expected = renderer.render(model.dressed(view.camera), view.camera, view.full_settings)
+    assert (pixels(view) == expected.pixels).all()
+
+
+def test_the_window_lives_while_a_pipeline_is_made(view, renderer, clock, monkeypatch):
+    """Pictures go on with what was drawn, say why, and one that is given up leaves it to others."""
+    programs, coming = renderer.gpu.programs, []
+
+    def rest():
+        clock.now += 2 * REST
+        for _ in range(5000):
+            view.draw()
+            if view.complete:
+                return
+
+    class Maker:
+        def submit(self, make):
+            coming.append((make, Future()))
+            return coming[-1][1]
+
+    rest()
+    before = view.drawn
+    for key in [k for k in programs._programs if "occlusion" in repr(k[0])]:
+        del programs._programs[key]
+    monkeypatch.setattr(programs, "_maker", Maker())
+    settings = view.model.settings.replace(occlusion__technique="ray", occlusion__samples=4)
+    view.model.change(settings=settings)
+    for _ in range(50):
+        if coming:
+            break
+        view.draw()
+    assert len(coming) == 1 and view.status == "compiling shaders" and view.drawn is before
+    view.model.change(settings=settings.replace(seed=5))
+    view.move(view.camera.orbited(5, 0))
+    for _ in range(3):
+        view.draw()
+    assert len(coming) == 1, "the pipeline is made twice"
+    made = 0
+    for _ in range(200):
+        while made < len(coming):
+            make, future = coming[made]
+            future.set_result(make())
+            made += 1
+        view.draw()
+        if view.share:
+            break
+    assert view.share and view.status != "compiling shaders"
+    monkeypatch.undo()
+    rest()
+    expected = renderer.render(view.model.scene, view.camera, view.full_settings)
     assert (pixels(view) == expected.pixels).all()

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
+import threading
 import weakref
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
 
@@ -98,6 +101,9 @@ class Programs:
         self._modules: weakref.WeakValueDictionary[str, Any] = weakref.WeakValueDictionary()
         self._layouts: dict[tuple, Any] = {}
         self._programs: OrderedDict[tuple, Program] = OrderedDict()
+        self._patience = threading.local()
+        self._coming: dict[tuple, Future[Program]] = {}
+        self._maker = ThreadPoolExecutor(1, "pipelines")
 
     @property
     def count(self) -> int:
@@ -113,25 +119,19 @@ class Programs:
         source = load(shader) if isinstance(shader, str) else shader
         constants = {k: v for k, v in constants.items() if k in source.overrides}
         key = (source.text, entry, tuple(sorted(constants.items())))
-        if key not in self._programs:
-            if entry not in source.workgroups:
-                raise ShaderError(source.file, None, f"there is no compute entry point '{entry}'")
-            layouts = self._bind_layouts(source, compute=True)
+        if entry not in source.workgroups:
+            raise ShaderError(source.file, None, f"there is no compute entry point '{entry}'")
+        layouts = self._bind_layouts(source, compute=True)
+
+        def make() -> Program:
             module = self._module(source)
-            try:
-                pipeline = self._device.create_compute_pipeline(
-                    layout=self._device.create_pipeline_layout(bind_group_layouts=layouts),
-                    compute={
-                        "module": module,
-                        "entry_point": entry,
-                        "constants": dict(constants),
-                    },
-                )
-            except Exception as error:
-                raise _explained(source, error) from None
-            self._keep(key, Program(source, layouts, pipeline, module))
-        self._programs.move_to_end(key)
-        return self._programs[key]
+            pipeline = self._device.create_compute_pipeline(
+                layout=self._device.create_pipeline_layout(bind_group_layouts=layouts),
+                compute={"module": module, "entry_point": entry, "constants": dict(constants)},
+            )
+            return Program(source, layouts, pipeline, module)
+
+        return self._found(key, source, make)
 
     def render(
         self,
@@ -150,36 +150,66 @@ class Programs:
             source.text, entries, formats, depth, tuple(sorted(constants.items())), topology,
             repr(blend),
         )  # fmt: skip
-        if key not in self._programs:
-            layouts = self._bind_layouts(source, compute=False)
+        layouts = self._bind_layouts(source, compute=False)
+        target = {"blend": blend} if blend else {}
+
+        def make() -> Program:
             module = self._module(source)
-            target = {"blend": blend} if blend else {}
-            try:
-                pipeline = self._device.create_render_pipeline(
-                    layout=self._device.create_pipeline_layout(bind_group_layouts=layouts),
-                    vertex={
-                        "module": module,
-                        "entry_point": entries[0],
-                        "constants": dict(constants),
-                    },
-                    primitive={"topology": topology},
-                    depth_stencil={
-                        "format": depth,
-                        "depth_write_enabled": True,
-                        "depth_compare": "greater",
-                    }
-                    if depth
-                    else None,
-                    fragment={
-                        "module": module,
-                        "entry_point": entries[1],
-                        "constants": dict(constants),
-                        "targets": [{"format": f, **target} for f in formats],
-                    },
+            constant = dict(constants)
+            pipeline = self._device.create_render_pipeline(
+                layout=self._device.create_pipeline_layout(bind_group_layouts=layouts),
+                vertex={"module": module, "entry_point": entries[0], "constants": constant},
+                primitive={"topology": topology},
+                depth_stencil={
+                    "format": depth,
+                    "depth_write_enabled": True,
+                    "depth_compare": "greater",
+                }
+                if depth
+                else None,
+                fragment={
+                    "module": module,
+                    "entry_point": entries[1],
+                    "constants": constant,
+                    "targets": [{"format": f, **target} for f in formats],
+                },
+            )
+            return Program(source, layouts, pipeline, module)
+
+        return self._found(key, source, make)
+
+    @contextmanager
+    def patiently(self, wait: Callable[[Future[Program]], None]) -> Iterator[None]:
+        """Within it, in this thread, pipelines that are missing are made beside the caller.
+
+        Args:
+            wait: Told of each; has to return when it is done, and may draw something else before.
+        """
+        self._patience.wait = wait
+        try:
+            yield
+        finally:
+            del self._patience.wait
+
+    def _found(self, key: tuple, source: Source, make: Callable[[], Program]) -> Program:
+        """The program of a key, made if it is not there."""
+        wait = getattr(self._patience, "wait", None)
+        try:
+            if key not in self._programs and (wait or key in self._coming):
+                # a frame that is given up leaves its pipeline to the next
+                future = self._coming.get(key) or self._coming.setdefault(
+                    key, self._maker.submit(make)
                 )
-            except Exception as error:
-                raise _explained(source, error) from None
-            self._keep(key, Program(source, layouts, pipeline, module))
+                if wait:
+                    wait(future)
+                self._coming.pop(key, None)
+                self._keep(key, future.result())
+            elif key not in self._programs:
+                self._keep(key, make())
+        except ShaderError:
+            raise
+        except Exception as error:
+            raise _explained(source, error) from None
         self._programs.move_to_end(key)
         return self._programs[key]
 

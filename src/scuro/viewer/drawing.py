@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping
+from concurrent.futures import Future, wait
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,6 +29,8 @@ _WORTH = 0.25
 """Share of a slice below which a picture is not worth cutting."""
 _TURN = 0.03
 """Seconds between two breaths of a long pass."""
+_COMPILING = 0.02
+"""Seconds for which a pipeline is waited for before others have their turn."""
 _KEPT = {"picture": "rgba8unorm", "ids": "rgba32uint", "surface": "rgba32float"}
 
 
@@ -67,6 +70,8 @@ class Drawing:
     """Seconds the last complete picture took."""
     kept: Mapping[str, str] = field(default_factory=lambda: _KEPT)
     """Textures of a finished picture, with their formats."""
+    compiling: bool = False
+    """Whether the picture waits for a pipeline."""
     _turn: int = field(default=0, repr=False)
 
     def draw(
@@ -79,7 +84,8 @@ class Drawing:
     ) -> Generator[Drawn | float, None, None]:
         """Draw a picture slice by slice.
 
-        A slow picture is cut into pieces of its passes (passes/pieces.py), and, where it has
+        It is left, too, while a pipeline is made that it needs (:attr:`compiling`). A slow picture
+        is cut into pieces of its passes (passes/pieces.py), and, where it has
         volumes or reservoirs, whose passes have none, into bands besides.
 
         Args:
@@ -105,19 +111,18 @@ class Drawing:
         for index, part in enumerate(parts):
             start = self.clock()
             go_on = accumulate and len(parts) == 1
-            if slices and self._expected(settings) > _WORTH * SLICE:
-                turns = self._in_turns(scene, camera, settings, part)
-                while True:
-                    try:
-                        share = next(turns)
-                    except StopIteration as end:
-                        frame = end.value
-                        break
+            cut = slices and self._expected(settings) > _WORTH * SLICE
+            turns = self._in_turns(scene, camera, settings, part, cut, go_on)
+            while True:
+                try:
+                    share = next(turns)
+                except StopIteration as end:
+                    frame = end.value
+                    break
+                if not self.compiling:
                     seconds += self.clock() - start
-                    yield (index + share) / len(parts)
-                    start = self.clock()
-            else:
-                frame = renderer.frame(scene, camera, settings, part, accumulate=go_on)
+                yield (index + share) / len(parts)
+                start = self.clock()
             for name, format in kept.items():
                 source = frame.resources[name]
                 scale = source.size[0] // part.size[0]
@@ -139,13 +144,30 @@ class Drawing:
         yield from ()
 
     def _in_turns(
-        self, scene: Scene, camera: Camera, settings: Settings, part: Part
+        self,
+        scene: Scene,
+        camera: Camera,
+        settings: Settings,
+        part: Part,
+        cut: bool,
+        accumulate: bool,
     ) -> Generator[float, None, Frame]:
-        """A frame whose long passes give way between their pieces."""
+        """A frame that gives way while pipelines are made and, if it is to be cut, between the
+        pieces of its long passes."""
 
         def draw(pause: Callable[[float], None]) -> Frame:
             last = self.clock()
             passes = 0
+
+            def compile(coming: Future[Any]) -> None:
+                nonlocal last
+                while not wait([coming], _COMPILING).done:
+                    self.compiling = True
+                    try:
+                        pause(1 - 1 / (1 + passes))
+                    finally:
+                        self.compiling = False
+                last = self.clock()
 
             def breathe(share: float) -> None:
                 nonlocal last, passes
@@ -155,9 +177,10 @@ class Drawing:
                     pause(1 - 1 / (1 + passes + share % 1))
                     last = self.clock()
 
-            self.renderer.breathe = breathe
+            self.renderer.breathe = breathe if cut else None
             try:
-                return self.renderer.frame(scene, camera, settings, part)
+                with self.renderer.gpu.programs.patiently(compile):
+                    return self.renderer.frame(scene, camera, settings, part, accumulate=accumulate)
             finally:
                 self.renderer.breathe = None
 

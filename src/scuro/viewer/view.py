@@ -78,6 +78,9 @@ class View:
         """Called when the picture is out of date, to wake whoever shows it."""
         self._moved = -1e9
         self._spun = 0.0
+        self._rough: Iterator[Drawn | float] | None = None
+        self._stale = False
+        """Whether the rough picture that is being drawn will be out of date."""
         self._steps: Iterator[Step] = iter(())
         self._step: Step | None = None
         self._slices = self.drawing.nothing()
@@ -119,6 +122,7 @@ class View:
         self._break_off()
         self._steps = steps(target)
         self.share, self.error = 0.0, ""
+        self._stale = True
         self.stopped = self._bare
         self.changed()
 
@@ -200,6 +204,8 @@ class View:
         """How far the picture is, in words."""
         if self.model.restyle is not None:
             return "preparing what was chosen"
+        if self.drawing.compiling:
+            return "compiling shaders"
         if self.built is not None:
             return f"building {self.built:.0%}"
         if self._left:
@@ -234,7 +240,7 @@ class View:
         try:
             if self._work is not None:
                 self._build_on()
-            if self.moving or self._work is not None:
+            if self.moving or self._work is not None or self._rough is not None:
                 if self.share == 0 and self.drawable:
                     self._draw_moving()
             elif not self.complete:
@@ -252,6 +258,7 @@ class View:
         """The scene cannot be drawn as it is; the next change tries again."""
         self._break_off()
         self.drawn, self.error, self.share, self._work = None, why, 1.0, None
+        self._rough = None
 
     @property
     def drawable(self) -> bool:
@@ -278,11 +285,16 @@ class View:
             size=_drawn_size(settings, moving_size(self.size, self.pacing.scale))
         )
         scene = self.model.dressed(self.camera)
-        for drawn in self.drawing.draw(scene, self.camera, settings, accumulate=True):
-            if isinstance(drawn, Drawn):
-                self.drawn = drawn
-        self.pacing.measured(self.drawing.seconds)
-        self.share = FIRST_SHARE
+        if self._rough is None:
+            self._rough = self.drawing.draw(scene, self.camera, settings, accumulate=True)
+            self._stale = False
+        for made in self._rough:
+            if isinstance(made, Drawn):
+                self.drawn, self._rough = made, None
+                self.pacing.measured(self.drawing.seconds)
+                self.share = 0.0 if self._stale else FIRST_SHARE
+            elif self.drawing.compiling:
+                return
 
     def _draw_resting(self) -> None:
         if self._step is None:
