@@ -177,6 +177,9 @@ def test_rubbish_floods_and_vanishing_do_not_disturb_another_page(renderer, mode
 def test_probe_messages_that_are_all_there_are_answered_in_turn_with_others(model):
     """Without waiting for a network between them: only the turn that each gives lets others run."""
     pytest.importorskip("numba", reason="needs the viewer extra")
+    from scuro.probe.probe import ProbeSettings
+    from scuro.viewer.probing import stream_handler
+
     model.set_probe(ProbeSettings(light=False))
 
     class Message:
@@ -205,7 +208,10 @@ def test_probe_messages_that_are_all_there_are_answered_in_turn_with_others(mode
         task.cancel()
         return socket.answers, len(seen)
 
-    answers, turns = asyncio.run(scenario())
+    try:
+        answers, turns = asyncio.run(scenario())
+    finally:
+        model.set_probe(None)
     assert answers == 50 and turns >= 50
 
 
