@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -78,7 +78,7 @@ class View:
         """Called when the picture is out of date, to wake whoever shows it."""
         self._moved = -1e9
         self._spun = 0.0
-        self._rough: Iterator[Drawn | float] | None = None
+        self._rough: Generator[Drawn | float, None, None] | None = None
         self._stale = False
         """Whether the rough picture that is being drawn will be out of date."""
         self._steps: Iterator[Step] = iter(())
@@ -168,6 +168,9 @@ class View:
         """The model's scene, settings or clipping changed."""
         self.pacing.plain = False
         self.selection = [p for p in self.selection if p.item in self.model.scene.items]
+        if self._rough is not None:
+            self._rough.close()  # of what is no more
+            self._rough = None
         self._prepare()
         self.stir()
 
