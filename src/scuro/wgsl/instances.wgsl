@@ -62,7 +62,7 @@ fn local_view(ray: Ray, eye: vec3f, index: u32, t_min: f32, t_max: f32, kept: Ke
     let nested = HAS_NESTING && (object.flags & NESTED) != 0u;
     if ((HAS_SKIPS || HAS_OPACITY) && !nested) {
         let number = leaf_number(index, frame_at_hand, instance.object);
-        if (HAS_SKIPS) {
+        if (HAS_SKIPS && HAS_NESTING) {
             near = near && !skips(number, instance.object);
         }
         if (HAS_OPACITY) {
@@ -173,9 +173,15 @@ fn next_instance(search: ptr<function, Search>, cell: f32, ray: Ray, t_min: f32,
             let entry = listed_at(index);
             instance = entry & ~LAST_OF_CELL;
             last = entry != instance;
-            let bound = bound_of(instance);
-            let span = sphere_span(ray, bound.xyz, bound.w);
+            let place = place_at(instance, frame_at_hand);
+            let span = sphere_span(ray, place.center, reach_of(place));
             met = span.near <= min(t_max, t_cell) && span.far >= t_min;
+            if (HAS_SKIPS) {
+                // most of what a ray meets is of its own region: passed before it is looked into;
+                // instances in assemblies have their numbers from local_view
+                let number = select(instance, NO_INSTANCE, HAS_NESTING);
+                met = met && !skips(number, object_of(place.tag, scene.object_bits));
+            }
             if (met || last) {
                 break;
             }

@@ -129,11 +129,10 @@ fn place_at(index: u32, frame: u32) -> Standing {
     return place_of(textureLoad(instances, table_place(place_index(index)), 0), step);
 }
 
-// The sphere in which all that an instance lists lies, where the ray is.
-fn bound_of(instance: u32) -> vec4f {
-    let place = place_at(instance, frame_at_hand);
-    let radius = radius_of(place.tag, scene.object_bits, scene.radius_base, scene.radius_shift);
-    return vec4f(place.center, radius + scene.reach);
+// The radius of the sphere in which all that an instance lists lies.
+fn reach_of(place: Standing) -> f32 {
+    return scene.reach
+        + radius_of(place.tag, scene.object_bits, scene.radius_base, scene.radius_shift);
 }
 
 // An instance in the space of the scene, or of the assembly that stands in a frame.

@@ -24,7 +24,7 @@ from scuro.passes.semantic.recolor import color_by_level
 from scuro.passes.semantic.settings import SemanticSettings
 from scuro.passes.semantic.smooth import rested, smoothed
 from scuro.passes.semantic.still import is_far
-from scuro.scene.regions import Hierarchy
+from scuro.scene.regions import BY_GROUP, Hierarchy
 from scuro.trace.table import float_table
 
 _EMPTY, _LIT = (0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0)
@@ -136,6 +136,7 @@ def halton_points(first: int, count: int) -> NDArray[np.float32]:
 def _trace(frame: Frame, settings: SemanticSettings, near: float, shadow: float) -> None:
     """Occlusion and shadow in object space."""
     _halton(frame, settings.rays)
+    levels = frame.resources["levels"]
     rays = {
         "samples": settings.rays,
         "near_radius": settings.near_radius * atom_radius(frame),
@@ -147,7 +148,12 @@ def _trace(frame: Frame, settings: SemanticSettings, near: float, shadow: float)
     frame.compute_tiles(
         "passes/semantic/traced.wgsl",
         {"rays": rays},
-        constants={"HAS_SKIPS": True, "HAS_NEAR": near > 0, "HAS_SHADOW": shadow > 0},
+        constants={
+            "HAS_SKIPS": True,
+            "HAS_NEAR": near > 0,
+            "HAS_SHADOW": shadow > 0,
+            "HAS_GROUPS": any(levels[name]["kind"] == BY_GROUP for name in ("here", "next")),
+        },
     )
 
 

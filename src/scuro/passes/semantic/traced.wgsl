@@ -26,6 +26,8 @@ struct Rays {
 
 override HAS_NEAR: bool = true;
 override HAS_SHADOW: bool = true;
+// Whether either level divides instances into groups of atoms.
+override HAS_GROUPS: bool = true;
 
 // A ray inside one instance passes at most so many atoms of its own group.
 const MOST_OWN: u32 = 32u;
@@ -36,7 +38,7 @@ fn blocked(ray: Ray, reach: f32, level: LevelOf, own: vec4u) -> bool {
     if (level.kind == BY_OBJECT) {
         let range = region_range(level, own.z);
         skipped = vec4u(range, 0u, 0u);
-    } else if (level.kind == BY_INSTANCE) {
+    } else if (!HAS_GROUPS || level.kind == BY_INSTANCE) {
         skipped = vec4u(0u, 0u, own.y, own.y + 1u);
     } else {
         // groups of atoms: step through those of the own group
@@ -94,13 +96,16 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     let arriving = incoming_light(lights.list[0], position);
     let ray = Ray(origin, arriving.direction);
     var dark = 0.0;
-    if (levels.blend < 1.0) {
-        dark += (1.0 - levels.blend)
-            * select(0.0, 1.0, blocked(ray, arriving.distance, levels.here, own));
-    }
-    if (levels.blend > 0.0) {
-        dark += levels.blend
-            * select(0.0, 1.0, blocked(ray, arriving.distance, levels.next, own));
+    // a loop, so that the tracer is compiled into it once
+    let first = select(0u, 1u, levels.blend >= 1.0);
+    let end = select(1u, 2u, levels.blend > 0.0);
+    for (var k = first; k < end; k += 1u) {
+        var level = levels.here;
+        if (k == 1u) {
+            level = levels.next;
+        }
+        let share = select(1.0 - levels.blend, levels.blend, k == 1u);
+        dark += share * select(0.0, 1.0, blocked(ray, arriving.distance, level, own));
     }
     textureStore(lit, here.pixel, vec4f(1.0 - rays.shadow * dark));
 }
