@@ -58,7 +58,7 @@ def _unpacked(bodies, point):
         "scene.wgsl", instance, result="vec4f(value.center, f32(value.object))",
         **shared,
     )  # fmt: skip
-    radius = evaluate("scene.wgsl", f"bound_of({index}).w", **shared)[:, 0]
+    radius = evaluate("scene.wgsl", f"reach_of(place_at({index}, NO_FRAME))", **shared)[:, 0]
     x, y, z = point
     turned = evaluate(
         "scene.wgsl",
