@@ -8,6 +8,7 @@ import pytest
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.style import representation
 from scuro.viewer.model import Model
+from scuro.viewer.restyle import Reading
 from scuro.viewer.view import View
 
 
@@ -108,3 +109,18 @@ def test_large_files_are_read_beside_the_pages_and_undo_leaves_them(model, monke
     model.open(SceneFile(input=(Input(path="sample:none"),)))
     settle(model)
     assert "none" in model.message and model.document == other
+
+
+@pytest.mark.parametrize("name", ["model.json", "scan.mhd", "series/", "1abc"])
+def test_what_may_be_of_any_size_is_read_beside_the_pages(tmp_path, name):
+    path = tmp_path / name
+    if name.endswith("/"):
+        path.mkdir()
+    elif "." in name:
+        path.write_text("{}")
+    document = SceneFile(input=(Input(path=name if name == "1abc" else str(path)),))
+    assert Reading(document, lambda: None).needed
+    small = tmp_path / "small.pdb"
+    small.write_text("END")
+    small_ones = SceneFile(input=(Input(path=str(small)), Input(path="sample:1hpv")))
+    assert not Reading(small_ones, lambda: None).needed

@@ -5,6 +5,7 @@ These show what was there meanwhile.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -18,6 +19,8 @@ LARGE = 100_000
 """Atoms from which on: a cartoon of so many takes a second."""
 LARGE_FILES = 2_000_000
 """Bytes from which on: a structure of so many takes a tenth of a second."""
+_NAMING = (".json", ".mhd", ".nhdr")
+"""Suffixes of files that name others, which may be of any size."""
 
 
 def _ready(bodies: Sequence[Body]) -> None:
@@ -25,6 +28,16 @@ def _ready(bodies: Sequence[Body]) -> None:
     pack_bodies(bodies)
     for body in bodies:
         _ = body.bounds
+
+
+def _bytes(name: str) -> float:
+    """How much there is to read; infinite if that is not known."""
+    path = Path(name)
+    if path.is_file():
+        names = path.name.lower().removesuffix(".gz").endswith(_NAMING)
+        return math.inf if names else path.stat().st_size
+    # a folder, or what has to be fetched
+    return 0 if name.startswith("sample:") else math.inf
 
 
 class Reading:
@@ -44,8 +57,7 @@ class Reading:
     @property
     def needed(self) -> bool:
         """Whether there is so much to read that somebody would have to wait."""
-        files = [Path(line.path) for line in self.document.input]
-        return sum(f.stat().st_size for f in files if f.is_file()) >= LARGE_FILES
+        return sum(_bytes(line.path) for line in self.document.input) >= LARGE_FILES
 
     def _read(self) -> None:
         self.scene = self.document.scene()

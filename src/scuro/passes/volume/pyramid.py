@@ -81,7 +81,7 @@ class Pyramid:
         return sum(2 * math.prod(size) for size in self.sizes)
 
     def build(self, slab: int = SLAB_BYTES) -> Iterator[float]:
-        """Fill all levels, slab by slab; yields the share that is done.
+        """Fill all levels, pass by pass and slab by slab; yields the share that is done.
 
         Args:
             slab: Roughly how many bytes of a level are worked on at once.
@@ -185,6 +185,10 @@ class Pyramid:
                     label="pyramid",
                 )
                 a, b = b, a
+                if after is not steps[-1][3]:
+                    record.submit()
+                    yield 0
+                    record = self.gpu.recorder()
             record.copy_buffer_to_texture(a, self.texture, mip=k, first=first, planes=count)
             record.submit()
             yield count
