@@ -34,6 +34,13 @@ WAYS = {
     "lines and halos, smoothed": {
         "borders__width": 1.6, "halos__width": 14.0, "antialias__method": "fxaa",
     },
+    "halos before nothing, smoothed": {
+        "halos__width": 30.0, "background": "transparent", "antialias__method": "fxaa",
+    },
+    "light halos before nothing, smoothed": {
+        "halos__width": 30.0, "halos__color": "white", "background": "transparent",
+        "antialias__method": "fxaa",
+    },
     "depth of field": {"depth_of_field__blur": 5.0, "borders__width": 1.5},
 }  # fmt: skip
 

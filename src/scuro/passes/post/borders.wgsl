@@ -84,27 +84,29 @@ fn thin_line(pixel: vec2u, texel: vec4f) -> f32 {
     return borders.opacity * max(max(covered.x, covered.y), max(covered.z, covered.w));
 }
 
-// Wider lines: the texels on rings around the pixel, so close that none is left out that matters.
+// Wider lines: all texels as near as the widest line reaches.
 fn wide_line(pixel: vec2u, texel: vec4f) -> f32 {
     let ground = ground_at(pixel, texel);
-    let last = vec2i(textureDimensions(surface)) - 1;
-    var covered = vec4f(0.0);
-    for (var ring = 1.0; ring < borders.width + 1.5; ring += 1.0) {
-        // four at right angles, turned from one to the next
-        let turns = 2.0 * ring;
-        for (var i = 0.0; i < turns; i += 1.0) {
-            let angle = i * 1.57079633 / turns;
-            let step = round(ring * vec2f(cos(angle), sin(angle)));
-            let xs = vec4f(step.x, -step.y, -step.x, step.y);
-            let ys = vec4f(step.y, step.x, -step.y, -step.x);
-            var depths = vec4f(0.0);
-            for (var k = 0u; k < 4u; k += 1u) {
-                let place = clamp(vec2i(pixel) + vec2i(vec2f(xs[k], ys[k])), vec2i(0), last);
-                depths[k] = textureLoad(surface, place, 0).w;
-            }
-            let away = vec4f(length(step));
-            covered = max(covered, shares(away, jumps(ground, xs, ys, depths) - away * ground.grain));
+    let reach = borders.width + 1.0;
+    var covered = 0.0;
+    for (var x = 1.0; x < reach; x += 1.0) {
+        for (var y = 0.0; x * x + y * y < reach * reach; y += 1.0) {
+            // four at right angles, turned from one to the next; empty beyond the picture
+            let xs = vec4f(x, -y, -x, y);
+            let ys = vec4f(y, x, -y, -x);
+            let columns = vec4i(vec4f(f32(pixel.x)) + xs);
+            let rows = vec4i(vec4f(f32(pixel.y)) + ys);
+            let depths = vec4f(
+                textureLoad(surface, vec2i(columns.x, rows.x), 0).w,
+                textureLoad(surface, vec2i(columns.y, rows.y), 0).w,
+                textureLoad(surface, vec2i(columns.z, rows.z), 0).w,
+                textureLoad(surface, vec2i(columns.w, rows.w), 0).w,
+            );
+            let jump = jumps(ground, xs, ys, depths);
+            let away = length(vec2f(x, y));
+            let most = max(max(jump.x, jump.y), max(jump.z, jump.w)) - away * ground.grain;
+            covered = max(covered, shares(vec4f(away), vec4f(most)).x);
         }
     }
-    return borders.opacity * max(max(covered.x, covered.y), max(covered.z, covered.w));
+    return borders.opacity * covered;
 }
