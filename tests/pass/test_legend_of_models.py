@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from scuro.export.film_names import FilmNames
 from scuro.render import Renderer
-from scuro.render_marks import picture_marks
+from scuro.render_marks import name_text, picture_marks
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.model import Ingredient, MesoscaleModel, Part, Structure
 from scuro.scene.scene import Scene
+from scuro.style.labels import overlapping
 from scuro.style.marks import Box, Text
 
 PLACES = {
@@ -76,3 +80,28 @@ def test_colours_are_those_of_the_picture(renderer):
                 linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055
             )
             np.testing.assert_allclose(255 * srgb, color, atol=1.0)
+
+
+def test_names_of_a_film_keep_off_the_legend(renderer):
+    """Its lines go with what is in view; names keep off the largest that it becomes."""
+    settings = Settings(size=(320, 240)).replace(
+        labels__show="regions", legend__show=True, lighting__preset="simple"
+    )
+    scene = cell()
+    at = [Camera((x, 22, 130), (x, 22, 0), (0, 1, 0), 30) for x in np.linspace(-30, 50, 12)]
+    film = SimpleNamespace(
+        settings=settings, movie=SimpleNamespace(fps=6.0), length=len(at), scene=scene,
+        camera=lambda n: at[n],
+        at=lambda n: SimpleNamespace(scene=scene, camera=at[n], settings=settings, plays=False),
+    )  # fmt: skip
+    names = FilmNames(renderer, film)
+    shown = 0
+    for n, here in enumerate(at):
+        (legend,) = (
+            m for m in picture_marks(renderer, scene, here, settings, []) if isinstance(m, Box)
+            and m.box[2] - m.box[0] > 60
+        )  # fmt: skip
+        boxes = [name_text(*name, settings).box for name in names.at(n)]
+        shown += len(boxes)
+        assert not any(overlapping(np.array([legend.box]), np.array(box)).any() for box in boxes)
+    assert shown

@@ -10,7 +10,7 @@ film that is broken off and taken up again is the same.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -20,11 +20,13 @@ from numpy.typing import NDArray
 from scuro.passes.post.stereo import eye_size
 from scuro.render_marks import (
     Names,
+    Sight,
     Standing,
     fixed_marks,
     name_extent,
     namer_of,
     taken_by,
+    tells_regions,
     text_size,
     wanted,
 )
@@ -35,6 +37,7 @@ from scuro.style.region_labels import RegionLabel, region_labels
 if TYPE_CHECKING:
     from scuro.export.motion import Moment, Motion
     from scuro.render import Renderer
+    from scuro.style.marks import Mark, Rect
 
 SURVEYS = 5.0
 """A second of the film, at least, and so many in all: a short film changes faster."""
@@ -82,6 +85,7 @@ class FilmNames:
         every = min(round(motion.movie.fps / SURVEYS), motion.length // LEAST_SURVEYS)
         every = max(1, every, -(-motion.length // MOST_SURVEYS))
         self._surveyed = sorted({*range(0, motion.length, every), motion.length - 1})
+        self._fixed: set[Rect] = set()
         tracks = self._tracks(renderer)
         tracks.sort(key=lambda track: -track.worth)
         self._chosen = self._active(tracks)
@@ -104,7 +108,10 @@ class FilmNames:
             scene, camera, settings = moment.scene, moment.camera, moment.settings
             settings = settings.replace(labels=self._motion.settings.labels)
             survey = renderer.survey(scene, camera, settings)
-            levels = wanted(scene, Standing(camera, settings, renderer.accelerator(scene)))
+            standing = Standing(camera, settings, renderer.accelerator(scene))
+            sight = Sight(standing, survey) if tells_regions(scene, settings) else None
+            self._fixed |= _whole_pixels(fixed_marks(scene, camera, settings, sight))
+            levels = wanted(scene, standing)
             keep = {key: _moved(track, moment) for key, track in going.items()}
             found = region_labels(survey, namer_of(scene, settings), levels, keep)
             before, going = going, {}
@@ -127,8 +134,8 @@ class FilmNames:
         settings, length = self._motion.settings, self._motion.length
         frames = np.arange(length)
         cameras = [self._motion.camera(int(n)) for n in frames]
-        fixed = taken_by(fixed_marks(self._motion.scene, cameras[0], settings))
-        room = np.array(fixed).reshape(-1, 1, 4).repeat(length, axis=1)
+        # legends and bars change with the view: a name that gave way to each of them would flicker
+        room = _largest(self._fixed)[:, None].repeat(length, axis=1)
         count = np.zeros(length, int)
         fade = max(1, round(FADE * self._motion.movie.fps))
         chosen = []
@@ -181,6 +188,23 @@ def _ramps(seen: NDArray[np.bool_], fade: int) -> NDArray[np.float64]:
         down = (end - n) / (fade + 1) if end < length else np.ones(end - start)
         ramps[start:end] = np.minimum(np.minimum(up, down), 1)
     return ramps
+
+
+def _whole_pixels(marks: Sequence[Mark]) -> set[Rect]:
+    """Where marks lie, in whole pixels."""
+    boxes = np.array(taken_by(marks)).reshape(-1, 4)
+    whole = np.concatenate([np.floor(boxes[:, :2]), np.ceil(boxes[:, 2:])], axis=1)
+    return {(left, top, right, bottom) for left, top, right, bottom in whole.tolist()}
+
+
+def _largest(boxes: set[Rect]) -> NDArray[np.float64]:
+    """(n, 4) those of different boxes that lie in no other."""
+    each = np.array(sorted(boxes), np.float64).reshape(-1, 4)
+    kept: list[NDArray[np.float64]] = []
+    for box in each[np.argsort(-np.prod(each[:, 2:] - each[:, :2], axis=1), kind="stable")]:
+        if not any((k[:2] <= box[:2]).all() and (k[2:] >= box[2:]).all() for k in kept):
+            kept.append(box)
+    return np.array(kept).reshape(-1, 4)
 
 
 def _moved(track: _Track, moment: Moment) -> Point:
