@@ -21,7 +21,7 @@ _HOME = {
     "ScuroError": "scuro.errors",
     "Settings": "scuro.render_settings",
     "load": "scuro.api",
-    "render": "scuro.render",
+    "render": "scuro.api",
 }
 """Where each public name lives; loaded on first use, so that ``import scuro`` costs nothing."""
 
@@ -42,10 +42,10 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from scuro.api import load
+    from scuro.api import load, render
     from scuro.errors import ScuroError
     from scuro.image import Image
-    from scuro.render import Renderer, render
+    from scuro.render import Renderer
     from scuro.render_settings import Settings
     from scuro.scene.camera import Camera
     from scuro.scene.clip import Clip, Plane

@@ -13,11 +13,12 @@ import numpy as np
 from scuro.errors import SettingsError
 from scuro.gpu import Gpu, Timings
 from scuro.image import Image
+from scuro.passes.begin import begun
 from scuro.passes.compose.context import draw_context
-from scuro.passes.compose.lighting import lighting_of, lights_uniform, with_implied
+from scuro.passes.compose.lighting import with_implied
 from scuro.passes.compose.shade import encode, shade
 from scuro.passes.filter.temporal import History
-from scuro.passes.frame import Frame, TargetPool, view_uniform
+from scuro.passes.frame import Frame, TargetPool
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion, prepare_occlusion
 from scuro.passes.part import Part
@@ -26,7 +27,7 @@ from scuro.passes.post.attention import draw_attention
 from scuro.passes.post.cues import draw_cues
 from scuro.passes.post.focus import draw_focus
 from scuro.passes.post.fxaa import draw_fxaa, smooth_picture
-from scuro.passes.post.stereo import eye_camera, eye_size, join_eyes, keep_left_eye
+from scuro.passes.post.stereo import eye_size, join_eyes, keep_left_eye
 from scuro.passes.reservoir.frame import Reservoirs
 from scuro.passes.semantic.pipeline import shade_semantic
 from scuro.passes.semantic.recolor import color_by_level, object_colors
@@ -35,11 +36,11 @@ from scuro.passes.shadow.shadow import draw_shadows, prepare_shadows
 from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.passes.volume.frame import Volumes
 from scuro.reference.path import PathTracer
-from scuro.render_marks import ACROSS, Names, picture_marks
+from scuro.render_marks import ACROSS, picture_marks
+from scuro.render_names import Names
 from scuro.render_parts import parts_of
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
-from scuro.scene.lights import DIRECTIONAL
 from scuro.scene.scene import Scene
 from scuro.style.marks import paint
 from scuro.style.region_labels import Survey
@@ -222,44 +223,8 @@ class Renderer:
         """A frame with its scene, view and lights, before anything is drawn."""
         scene.show_reservoirs(settings.reservoir)
         accelerator = self.accelerator(scene)
-        resources, constants = accelerator.clipped(scene.clip.cutting)
-        scale = settings.antialias.scale
-        width, height = (scale * s for s in eye_size(settings.stereo, settings.size))
-        jitter = (0.0, 0.0)
-        if part.eye:
-            separation = settings.stereo.separation * accelerator.extent
-            camera, jitter = eye_camera(camera, part.eye, separation, height)
-        resources["scene"] |= accelerator.detail_for(camera, height, settings.detail)
-        frame = Frame(
-            self.gpu,
-            self.gpu.recorder(),
-            self.targets,
-            accelerator,
-            camera,
-            settings,
-            (scale * part.size[0], scale * part.size[1]),
-            dict(resources),
-            dict(constants),
-            scale,
-            breathe=self.breathe,
-        )
-        lighting = lighting_of(settings.lighting, scene.lighting)
-        frame.resources["view"] = view_uniform(
-            camera,
-            accelerator.center,
-            (width, height),
-            tile=(scale * part.origin[0], scale * part.origin[1]),
-            jitter=jitter,
-            seed=settings.seed,
-        )
-        casting = settings.renderer == "path" or settings.shadows.technique != "none"
-        frame.resources["lights"] = lights_uniform(
-            lighting, camera, accelerator.center, shadows=casting
-        )
-        frame.constants["LIGHT_COUNT"] = len(lighting.lights)
-        frame.constants["LOCAL_LIGHTS"] = any(
-            light.kind != DIRECTIONAL for light in lighting.lights
-        )
+        frame = begun(self.gpu, self.targets, accelerator, scene, camera, settings, part)
+        frame.breathe = self.breathe
         return frame
 
     def parts(self, settings: Settings, bands: int = 1, rows: int | None = None) -> list[Part]:
@@ -342,43 +307,3 @@ def _light(frame: Frame) -> None:
     draw_occlusion(frame)
     draw_shadows(frame)
     shade(frame)
-
-
-def render(
-    scene: Scene,
-    *,
-    size: tuple[int, int] | None = None,
-    camera: Camera | None = None,
-    settings: Settings | None = None,
-    device: str | None = None,
-    **changes: Any,
-) -> Image:
-    """Draw a scene once.
-
-    Args:
-        scene: What to draw.
-        size: Width and height in pixels.
-        camera: From where; by default all of the scene is seen.
-        settings: All settings; the defaults otherwise.
-        device: Adapter number or part of its name.
-        changes: Single settings, e.g. ``lighting__preset="full"``.
-    """
-    settings = settings or Settings()
-    if size is not None:
-        settings = settings.replace(size=size)
-    if changes:
-        settings = settings.replace(**changes)
-    return _shared_renderer(device).render(scene, camera, settings)
-
-
-_renderers: dict[str | None, Renderer] = {}
-
-
-def _shared_renderer(device: str | None) -> Renderer:
-    """One renderer a device and process: opening a GPU costs more than most pictures."""
-    if device not in _renderers:
-        _renderers[device] = Renderer(device)
-    return _renderers[device]
-
-
-__all__ = ["Renderer", "render"]

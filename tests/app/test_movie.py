@@ -23,7 +23,7 @@ from scuro.export.motion import Motion, MovieSettings, blended, mixed, steady
 from scuro.export.movie import Film
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.render import Renderer
-from scuro.render_marks import name_text
+from scuro.render_names import name_text
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.projection import project

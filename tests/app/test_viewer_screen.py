@@ -3,7 +3,7 @@
 import pytest
 
 from scuro.export.scene_file import Input, SceneFile, Show
-from scuro.render_marks import SMALLEST_TEXT, text_size
+from scuro.render_names import SMALLEST_TEXT, text_size
 from scuro.render_settings import Settings
 from scuro.viewer.model import Model
 from scuro.viewer.playbar import foot, room

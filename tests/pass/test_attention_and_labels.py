@@ -11,7 +11,7 @@ from scuro.load import load
 from scuro.passes.part import split
 from scuro.passes.post.attention import chosen_table
 from scuro.render import Renderer
-from scuro.render_marks import Standing, namer_of, wanted
+from scuro.render_names import Standing, namer_of, wanted
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.model import Ingredient, MesoscaleModel, Part, Structure

@@ -9,7 +9,8 @@ import pytest
 
 from scuro.export.film_names import FilmNames
 from scuro.render import Renderer
-from scuro.render_marks import name_text, picture_marks
+from scuro.render_marks import picture_marks
+from scuro.render_names import name_text
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.model import Ingredient, MesoscaleModel, Part, Structure

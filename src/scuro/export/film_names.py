@@ -18,18 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.passes.post.stereo import eye_size
-from scuro.render_marks import (
-    Names,
-    Sight,
-    Standing,
-    fixed_marks,
-    name_extent,
-    namer_of,
-    taken_by,
-    tells_regions,
-    text_size,
-    wanted,
-)
+from scuro.render_marks import Sight, fixed_marks, tells_regions
+from scuro.render_names import Names, Standing, name_extent, namer_of, taken_by, text_size, wanted
 from scuro.scene.projection import project
 from scuro.style.labels import overlapping
 from scuro.style.region_labels import RegionLabel, region_labels

@@ -15,17 +15,13 @@ import numpy as np
 
 from scuro.errors import ScuroError
 from scuro.passes.post.stereo import eye_size
-from scuro.render_marks import (
-    Sight,
+from scuro.render_marks import Sight, gauge_marks, legends_of, shifted, tells_regions
+from scuro.render_names import (
     Standing,
-    gauge_marks,
-    legends_of,
     name_extent,
     name_text,
     namer_of,
-    shifted,
     taken_by,
-    tells_regions,
     text_size,
     wanted,
 )

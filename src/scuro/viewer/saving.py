@@ -23,7 +23,8 @@ from scuro.export.scene_file import SceneFile, write_scene_file
 from scuro.image import Image
 from scuro.passes.frame import Frame
 from scuro.render import Renderer
-from scuro.render_marks import Names, picture_marks
+from scuro.render_marks import picture_marks
+from scuro.render_names import Names
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.scene import Scene

@@ -11,7 +11,7 @@ from typing import Any
 from scuro.errors import ScuroError
 from scuro.passes.post.stereo import eye_size
 from scuro.render import Renderer
-from scuro.render_marks import SMALLEST_TEXT, text_size
+from scuro.render_names import SMALLEST_TEXT, text_size
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.projection import Size
