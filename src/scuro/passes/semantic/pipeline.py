@@ -165,9 +165,5 @@ def _shadow(frame: Frame, settings: SemanticSettings, share: float) -> None:
         "thickness": 0.25 * distance,
         "strength": share,
         "limit": frame.screen_reach,
-        "depth_limit": depth_limit(frame),
     }
-    # exact where frames add up, and where no blur hides that pixels share a march
-    shared = frame.history is None and settings.blur_shadow > 1
-    entry = "pairs" if shared else "main"
-    frame.compute_tiles("passes/semantic/shadow.wgsl", {"shadow": shadow}, entry=entry)
+    frame.compute_tiles("passes/semantic/shadow.wgsl", {"shadow": shadow})

@@ -17,8 +17,6 @@ struct Shadow {
     strength: f32,
     // how far the march goes in the picture, pixels
     limit: f32,
-    // differences of depth beyond this are edges, as to the blur, scene units
-    depth_limit: f32,
 }
 
 @group(2) @binding(2) var<uniform> shadow: Shadow;
@@ -26,8 +24,12 @@ struct Shadow {
 // 1 = lit
 @group(2) @binding(4) var lit: texture_storage_2d<rgba16float, write>;
 
-// How much of the key light arrives at a pixel's surface.
-fn march(here: Seen) -> f32 {
+@compute @workgroup_size(8, 8)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let here = seen(group, local);
+    if (here.outside || here.empty || lights.count == 0u) {
+        return;
+    }
     let arriving = incoming_light(lights.list[0], seen_position(here));
     let start = view_position(vec2f(here.pixel) + 0.5, here.depth);
     let way = radius_within(min(shadow.reach, arriving.distance), start, shadow.limit)
@@ -63,44 +65,5 @@ fn march(here: Seen) -> f32 {
         }
     }
     let share = mix(blocked.x, blocked.y, levels.blend);
-    return 1.0 - shadow.strength * share;
-}
-
-@compute @workgroup_size(8, 8)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let here = seen(group, local);
-    if (here.outside || here.empty || lights.count == 0u) {
-        return;
-    }
-    textureStore(lit, here.pixel, vec4f(march(here)));
-}
-
-// One march for two pixels side by side where the blur that follows would mix them: a checkerboard
-// of the whole picture says for which. A loop, since lavapipe runs both sides of branches.
-@compute @workgroup_size(4, 8)
-fn pairs(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let place = vec3u(2u * local.x, local.y, 0u);
-    let whole = tile_pixel(group, place) + vec2u(view.origin);
-    let odd = (whole.x / 2u + whole.y + view.seed + view.frame) & 1u;
-    var here = seen(group, place + vec3u(odd, 0u, 0u));
-    let other = seen(group, place + vec3u(1u - odd, 0u, 0u));
-    let one = !(here.outside || here.empty);
-    let two = !(other.outside || other.empty);
-    if (!(one || two) || lights.count == 0u) {
-        return;
-    }
-    let shared_by_both = one && two && abs(here.depth - other.depth) < shadow.depth_limit
-        && all(labelled_at(here.pixel).labels == labelled_at(other.pixel).labels);
-    if (!one) {
-        here = other;
-    }
-    let marches = select(1u, 2u, one && two && !shared_by_both);
-    for (var i = 0u; i < marches; i += 1u) {
-        let value = vec4f(march(here));
-        textureStore(lit, here.pixel, value);
-        if (shared_by_both) {
-            textureStore(lit, other.pixel, value);
-        }
-        here = other;
-    }
+    textureStore(lit, here.pixel, vec4f(1.0 - shadow.strength * share));
 }
