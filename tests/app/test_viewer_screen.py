@@ -124,3 +124,34 @@ def test_a_click_that_comes_between_two_pictures_reaches_the_panel(renderer):
     rest(screen)
     assert not screen.panel.open
     screen.close()
+
+
+@pytest.mark.parametrize("height", [None, 20.0])
+def test_fitting_leaves_room_for_the_play_bar(renderer, height):
+    from dataclasses import replace
+
+    from scuro.scene.view import scene_points
+    from scuro.viewer import navigate
+
+    screen = screen_of(renderer, (480.0, 320.0))
+    view, points = screen.view, scene_points(screen.model.scene)[:, :3]
+    view.camera = replace(view.camera, height=height)
+    for below in (0.0, room((480.0, 320.0)) / 320):
+        view.foot = below
+        view.fit()
+        y = navigate.project(view.camera, points, (480.0, 320.0))[:, 1]
+        assert y.min() > 0 and y.max() < 320 * (1 - below)
+        assert y.max() - y.min() > 0.75 * 320 * (1 - below), "smaller than it need be"
+    screen.close()
+
+
+def test_a_panel_over_the_picture_leaves_the_bars_at_its_foot(renderer):
+    screen = screen_of(renderer, (480.0, 320.0))
+    before = rest(screen)
+    screen.panel.open = True
+    after = rest(screen)
+    bar = (slice(280, 308), slice(340, 465))
+    assert (before[bar] < 60).all(axis=-1).any(), "no scale bar: this shows nothing"
+    assert (before[bar] == after[bar]).all()
+    assert (before[:240, 200:470] != after[:240, 200:470]).any(axis=-1).mean() > 0.8
+    screen.close()

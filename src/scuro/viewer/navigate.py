@@ -122,6 +122,20 @@ def viewpoint(camera: Camera) -> NDArray[np.float64]:
     return eye + 1e6 * camera.view_from_world()[2, :3]
 
 
+def raised(camera: Camera, share: float) -> Camera:
+    """The camera from which a share of the picture's height is free below what filled it."""
+    if not share > 0:
+        return camera
+    wider = 1 / (1 - share)
+    away = np.subtract(camera.position, camera.target) * wider
+    if camera.height is not None:
+        camera = replace(camera, height=camera.height * wider)
+    else:
+        camera = replace(camera, position=_tuple(np.add(camera.target, away)))
+    up = camera.view_from_world()[1, :3]
+    return shifted(camera, -up * share / 2 * pixel_size(camera, (1, 1)))
+
+
 def pixel_ray(
     camera: Camera, pixel: Size, size: Size
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

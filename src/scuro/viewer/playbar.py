@@ -11,7 +11,7 @@ _WIDEST, _NARROWEST = 640.0, 260.0
 _MARGIN, _HEIGHT = 16.0, 40.0
 _CORNERS = 190.0
 """Pixels that the axis cross and the scale bar take on both sides."""
-_ABOVE_BAR, _ABOVE_CROSS = 48.0, 98.0
+ABOVE_BAR, _ABOVE_CROSS = 48.0, 98.0
 """Pixels from the picture's lower edge to above them."""
 
 
@@ -20,7 +20,7 @@ def foot(size: Size) -> float:
     if size[0] >= _NARROWEST + 2 * _CORNERS:
         return _MARGIN
     # the scale bar's corner, and where it reaches over there the axis cross', too
-    return _ABOVE_BAR if size[0] >= _NARROWEST + 2 * _ABOVE_CROSS else _ABOVE_CROSS
+    return ABOVE_BAR if size[0] >= _NARROWEST + 2 * _ABOVE_CROSS else _ABOVE_CROSS
 
 
 def room(size: Size) -> float:

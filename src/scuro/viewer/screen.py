@@ -25,7 +25,7 @@ from scuro.viewer.overlay import draw_flat, draw_hung
 from scuro.viewer.panel import WIDTH as PANEL_WIDTH
 from scuro.viewer.panel import Panel
 from scuro.viewer.pick import instance_number
-from scuro.viewer.playbar import PlayBar
+from scuro.viewer.playbar import ABOVE_BAR, PlayBar, room
 from scuro.viewer.probing import Probing
 from scuro.viewer.under import words_at
 from scuro.viewer.view import View
@@ -112,6 +112,8 @@ class Screen:
         width, height = self.logical
         taken = PANEL_WIDTH if self.panel.open and width > 2 * PANEL_WIDTH else 0.0
         self.controls.logical = (width - taken, height)
+        plays = self.model.player.length > 1
+        self.view.foot = min(room(self.controls.logical) / height, 0.4) if plays else 0.0
         self.view.resize(physical(self.controls.logical, self.ratio), self.ratio)
 
     def take(self, event: dict[str, Any]) -> None:
@@ -199,7 +201,10 @@ class Screen:
                 self._hang(eye)
         draw_flat(self.view, eyes, (self._hover, self.controls.pointer))
         self.play_bar.draw(picture)
-        self.panel.draw(self.logical)
+        # where the panel lies over the picture, it leaves the bars at its foot alone
+        lies_over = picture[0] == self.logical[0]
+        taken = max(ABOVE_BAR, self.view.foot * picture[1]) if lies_over else 0.0
+        self.panel.draw((self.logical[0], self.logical[1] - taken))
 
     @property
     def _joined(self) -> bool:

@@ -56,6 +56,8 @@ class View:
         self.size = size
         self.ratio = 1.0
         """Pixels of the picture to each logical pixel of its screen."""
+        self.foot = 0.0
+        """Share of the picture's height that something covers at its foot."""
         self._clock = clock
         software = renderer.gpu.info.software
         self.pacing = Pacing(SOFTWARE_TARGET if software else GPU_TARGET)
@@ -98,7 +100,9 @@ class View:
 
     def initial_camera(self) -> Camera:
         """As the document says, for this size."""
-        return view_camera(self.model.scene, self.model.document.view, self.aspect)
+        wanted = self.model.document.view
+        camera = view_camera(self.model.scene, wanted, self.aspect)
+        return camera if wanted.position is not None else navigate.raised(camera, self.foot)
 
     @property
     def aspect(self) -> float:
@@ -333,7 +337,8 @@ class View:
         scene = self.model.scene
         points = scene_points(scene)
         bounds = scene.bounds()
-        self.move(navigate.fit(self.camera, bounds, self.aspect, points if len(points) else None))
+        fitted = navigate.fit(self.camera, bounds, self.aspect, points if len(points) else None)
+        self.move(navigate.raised(fitted, self.foot))
 
     def select(self, found: Pick | None, add: bool = False) -> None:
         """Select what was picked, or nothing; with ``add``, besides what is selected."""
