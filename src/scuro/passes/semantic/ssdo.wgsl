@@ -81,32 +81,22 @@ struct Place {
     far_reach: f32,
 }
 
-// The near occluder of a direction.
-struct Near {
-    found: Sample,
-    share: f32,
+// The sample point of direction i at either reach.
+struct Look {
     direction: vec3f,
     cosine: f32,
+    // in view space, for a reach of 1
+    step: vec3f,
 }
 
-// Gather the light from direction i.
-fn look(i: u32, place: Place, sum: ptr<function, Gathering>) -> Near {
+fn look(i: u32, place: Place) -> Look {
     let u = fract(halton(i) + place.noise);
     let upright = malley(u.xy);
-    let direction = place.basis * upright;
-    let step = u.z * (place.turned * upright);
-    var near = Near();
-    if (HAS_NEAR) {
-        let found = probe(place.start + place.near_reach * step, place.here, ssdo.near_radius);
-        near = Near(found, found.occluded * ssdo.near_weight, direction, upright.z);
-    }
-    let found = probe(place.start + place.far_reach * step, place.here, ssdo.far_radius);
-    var far = found.occluded;
-    if (!PLAIN && far > 0.0) {
-        far *= strangeness(found.there.labels, place.labels);
-    }
-    gather(sum, direction, (1.0 - near.share) * (1.0 - far), place.position);
-    return near;
+    return Look(place.basis * upright, upright.z, u.z * (place.turned * upright));
+}
+
+fn near_probe(towards: Look, place: Place) -> Sample {
+    return probe(place.start + place.near_reach * towards.step, place.here, ssdo.near_radius);
 }
 
 @compute @workgroup_size(8, 8)
@@ -132,23 +122,32 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         radius_within(ssdo.far_radius, start, ssdo.limit),
     );
     var sum = Gathering(vec3f(0.0), 0.0);
-    var indirect = vec3f(0.0);
-    // light that is blurred widely needs no more than one direction in BOUNCE_EVERY: a loop, as
-    // lavapipe runs both sides of branches
-    var i = 0u;
-    while (i < ssdo.samples + (i >> 31u)) {
-        let near = look(i, place, &sum);
-        if (HAS_BOUNCE) {
-            indirect += near.share * sent(near.found, start, near.direction, near.cosine);
+    for (var i = 0u; i < ssdo.samples + (i >> 31u); i += 1u) {
+        let towards = look(i, place);
+        var near = 0.0;
+        if (HAS_NEAR) {
+            near = ssdo.near_weight * near_probe(towards, place).occluded;
         }
-        let end = min(i + BOUNCE_EVERY, ssdo.samples);
-        for (i += 1u; i < end + (i >> 31u); i += 1u) {
-            look(i, place, &sum);
+        let found = probe(start + place.far_reach * towards.step, here, ssdo.far_radius);
+        var far = found.occluded;
+        if (!PLAIN && far > 0.0) {
+            far *= strangeness(found.there.labels, place.labels);
         }
+        gather(&sum, towards.direction, (1.0 - near) * (1.0 - far), place.position);
     }
     store_gathered(here.pixel, sum, ssdo.samples, ssdo.strength);
-    if (HAS_BOUNCE) {
-        let directions = (ssdo.samples + BOUNCE_EVERY - 1u) / BOUNCE_EVERY;
-        textureStore(bounce, here.pixel, vec4f(indirect / f32(directions) * ssdo.bounce, 1.0));
+    if (!HAS_BOUNCE) {
+        return;
     }
+    // light that is blurred widely needs no more than one direction in BOUNCE_EVERY: looked at once
+    // more, as lavapipe runs both sides of branches
+    var indirect = vec3f(0.0);
+    for (var i = 0u; i < ssdo.samples + (i >> 31u); i += BOUNCE_EVERY) {
+        let towards = look(i, place);
+        let found = near_probe(towards, place);
+        indirect += found.occluded * sent(found, start, towards.direction, towards.cosine);
+    }
+    let directions = (ssdo.samples + BOUNCE_EVERY - 1u) / BOUNCE_EVERY;
+    let amount = ssdo.bounce * ssdo.near_weight / f32(directions);
+    textureStore(bounce, here.pixel, vec4f(amount * indirect, 1.0));
 }
