@@ -1,16 +1,19 @@
 """Cell-scale models: load, build and frame time, growth with size, cost of each part.
 
 Inputs are cell-scale models; without any, scenes of 10⁶ to 1.5·10¹⁰ atoms are generated from a
-sample protein. Frames are of the whole scene; ``costs`` are the rows of Table 4.1 of Koch (2018)
-as growth of the frame in per cent, at the views that the thesis names. ``calm`` is what moves in
-the view of the whole scene under sub-pixel shifts and while zooming (:mod:`scuro.measure.calm`), in
-thousandths of white, with and without levels of detail and what else calms.
+sample protein. Each scene has a process of its own. Frames are of the whole scene; ``costs`` are
+the rows of Table 4.1 of Koch (2018) as growth of the frame in per cent, at the views that the
+thesis names. ``calm`` is what moves in the view of the whole scene under sub-pixel shifts and while
+zooming (:mod:`scuro.measure.calm`), in thousandths of white, with and without levels of detail and
+what else calms.
 """
 
 from __future__ import annotations
 
+import multiprocessing
 import time
-from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -65,49 +68,71 @@ def run(options: BenchOptions) -> dict[str, Any]:
     costs: dict[str, dict[str, float]] = {}
     calm: dict[str, dict[str, dict[str, float]]] = {}
     adapter = ""
-    for name, model, seconds in models(options):
-        renderer = Renderer(options.device)
-        adapter = str(renderer.gpu.info)
-        scene = Scene().add(model)
-        start = time.perf_counter()
-        accelerator = renderer.accelerator(scene)
-        renderer.gpu.finish()
-        built = time.perf_counter() - start
-        row: dict[str, Any] = {
-            "scene": name,
-            "atoms": model.atoms,
-            "instances": model.instances,
-            "load_s": round(seconds, 3),
-            "build_s": round(built, 3),
-        }
-        base = Settings(size=options.size)
-        camera = renderer.fitted(scene, base)
-        for part, changes in PARTS.items():
-            options.say(f"{name}, {part}")
-            action = partial(draw, renderer, scene, camera, base.replace(**changes))
-            row[f"{part}_s"] = round(median_seconds(action, options.frames), 4)
-        rows.append(row | {"gpu_mb": round(accelerator.bytes / 1e6, 1)})
-        if options.inputs or (model.atoms > COSTS_AT / 2 and not costs):
-            costs[name] = {
-                cost: round(percent, 1)
-                for cost, percent in table_4_1(renderer, scene, options).items()
-            }
-            options.say(f"{name}, calm")
-            screen = base.replace(**PARTS["screen"])
-            calm[name] = {
-                words: _moving(renderer, scene, camera, screen.replace(**changes))
-                for words, changes in CALM.items()
-            }
+    for scene in options.inputs or SIZES:
+        options.say(str(scene) if options.inputs else f"generated {scene:.3g}")
+        in_depth = bool(options.inputs) or scene == COSTS_AT
+        found = _apart(scene, replace(options, say=_nothing), in_depth)
+        adapter, name = found["adapter"], found["row"]["scene"]
+        rows.append(found["row"])
+        if in_depth:
+            costs[name], calm[name] = found["costs"], found["calm"]
     return {
         "adapter": adapter,
         "size": list(options.size),
         "frames": options.frames,
-        "peak_memory_mb": peak_memory_mb(),
         "growth": round(rows[-1]["screen_s"] / rows[0]["screen_s"], 2),
         "costs": costs,
         "calm": calm,
         "rows": rows,
     }
+
+
+def _nothing(text: str) -> None:
+    """Processes of scenes say nothing."""
+
+
+def _apart(scene: str | float, options: BenchOptions, in_depth: bool) -> dict[str, Any]:
+    """:func:`measure` in a process of its own: its peak of memory is what a user sees."""
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, context) as pool:
+        return pool.submit(measure, scene, options, in_depth).result()
+
+
+def measure(name: str | float, options: BenchOptions, in_depth: bool) -> dict[str, Any]:
+    """One scene: adapter and row, and costs and calm if it is looked at in depth.
+
+    The peak of memory is the process's after the frames, before what is measured in depth.
+    """
+    name, model, seconds = _model(name)
+    renderer = Renderer(options.device)
+    scene = Scene().add(model)
+    start = time.perf_counter()
+    accelerator = renderer.accelerator(scene)
+    renderer.gpu.finish()
+    row: dict[str, Any] = {
+        "scene": name,
+        "atoms": model.atoms,
+        "instances": model.instances,
+        "load_s": round(seconds, 3),
+        "build_s": round(time.perf_counter() - start, 3),
+    }
+    base = Settings(size=options.size)
+    camera = renderer.fitted(scene, base)
+    for part, changes in PARTS.items():
+        action = partial(draw, renderer, scene, camera, base.replace(**changes))
+        row[f"{part}_s"] = round(median_seconds(action, options.frames), 4)
+    row["gpu_mb"] = round(accelerator.bytes / 1e6, 1)
+    row["peak_mb"] = peak_memory_mb()
+    found: dict[str, Any] = {"adapter": str(renderer.gpu.info), "row": row}
+    if in_depth:
+        costs = table_4_1(renderer, scene, options)
+        found["costs"] = {cost: round(percent, 1) for cost, percent in costs.items()}
+        screen = base.replace(**PARTS["screen"])
+        found["calm"] = {
+            words: _moving(renderer, scene, camera, screen.replace(**changes))
+            for words, changes in CALM.items()
+        }
+    return found
 
 
 def draw(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings) -> None:
@@ -146,18 +171,15 @@ def table_4_1(renderer: Renderer, scene: Scene, options: BenchOptions) -> dict[s
     return found
 
 
-def models(options: BenchOptions) -> Iterator[tuple[str, MesoscaleModel, float]]:
-    """Name, model and seconds to load or to generate it."""
-    if options.inputs:
-        for name in options.inputs:
-            start = time.perf_counter()
-            model = load(name)
-            if not isinstance(model, MesoscaleModel):
-                raise SettingsError(f"{name} is no cell-scale model: this benchmark needs them")
-            yield label(name), model, time.perf_counter() - start
-        return
+def _model(name: str | float) -> tuple[str, MesoscaleModel, float]:
+    """Name, model and seconds to load it, or to generate one of so many atoms."""
+    start = time.perf_counter()
+    if isinstance(name, str):
+        model = load(name)
+        if not isinstance(model, MesoscaleModel):
+            raise SettingsError(f"{name} is no cell-scale model: this benchmark needs them")
+        return label(name), model, time.perf_counter() - start
     structure = structure_of_molecule(load(SAMPLE))
-    for atoms in SIZES:
-        start = time.perf_counter()
-        model = generate([structure], GenerateSettings(atoms=atoms))
-        yield f"generated {atoms:.3g}", model, time.perf_counter() - start
+    start = time.perf_counter()
+    generated = generate([structure], GenerateSettings(atoms=name))
+    return f"generated {name:.3g}", generated, time.perf_counter() - start
