@@ -177,6 +177,20 @@ def test_ctrl_c_is_quiet(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_ctrl_c_is_quiet_where_an_import_makes_another_error_of_it(tmp_path):
+    (tmp_path / "imported.py").write_text(
+        "import os, signal\n"
+        "try:\n    os.kill(os.getpid(), signal.SIGINT)\n    while True: pass\n"
+        "except KeyboardInterrupt:\n    raise ImportError('half loaded') from None\n"
+    )
+    words = (
+        "from scuro.app import cli; cli.import_module = lambda name: __import__('imported'); "
+        "cli.main(['render'])"
+    )
+    done = subprocess.run([sys.executable, "-c", words], cwd=tmp_path, capture_output=True)
+    assert done.returncode == 130 and (done.stdout + done.stderr).strip() == b""
+
+
 @pytest.mark.parametrize("technique, style, told", [
     ("baked", "cartoon", True), ("baked", "spacefill", False), ("hybrid", "cartoon", False),
 ])  # fmt: skip

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import time
 from collections.abc import Sequence
 from importlib import import_module
+from types import FrameType
 
 import click
 
@@ -68,7 +70,18 @@ def cli() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and leave the process with its exit code."""
+    signal.signal(signal.SIGINT, _interrupt)
     sys.exit(run(arguments))
+
+
+_interrupted = False
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """Ctrl-C; remembered, since modules that are being imported may make another error of it."""
+    global _interrupted
+    _interrupted = True
+    raise KeyboardInterrupt
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -99,6 +112,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _say("out of memory: lower --size, or show fewer atoms with --select", FAILURE)
     except Exception as error:
+        if _interrupted:
+            return INTERRUPTED
         if os.environ.get("SCURO_DEBUG"):
             raise
         return _say(
