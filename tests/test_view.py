@@ -7,8 +7,9 @@ import pytest
 
 from scuro.errors import SettingsError
 from scuro.scene.geometry import Body, Geometry
+from scuro.scene.points import scene_points
 from scuro.scene.scene import Scene
-from scuro.scene.view import ViewSettings, principal_axes, scene_points, view_camera
+from scuro.scene.view import ViewSettings, principal_axes, view_camera
 
 
 def scene_of(points: np.ndarray, **placed) -> Scene:

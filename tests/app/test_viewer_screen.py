@@ -130,7 +130,7 @@ def test_a_click_that_comes_between_two_pictures_reaches_the_panel(renderer):
 def test_fitting_leaves_room_for_the_play_bar(renderer, height):
     from dataclasses import replace
 
-    from scuro.scene.view import scene_points
+    from scuro.scene.points import scene_points
     from scuro.viewer import navigate
 
     screen = screen_of(renderer, (480.0, 320.0))

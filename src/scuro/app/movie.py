@@ -35,7 +35,7 @@ def command(output: str, device: str | None, as_json: bool, **values: Any) -> No
     """
     from scuro.export.motion import Motion
     from scuro.export.movie import Film, check_format, stamps
-    from scuro.scene.view import clip_keeps
+    from scuro.scene.points import clip_keeps
 
     start = time.perf_counter()
     movie = MovieSettings().replace(**take_changes(MovieSettings, values))

@@ -76,7 +76,7 @@ def tell_notes(scene: Scene) -> None:
 
 def tell_of_nothing(scene: Scene) -> None:
     """Say so on standard error where clipping leaves nothing to see."""
-    from scuro.scene.view import clip_keeps
+    from scuro.scene.points import clip_keeps
 
     if clip_keeps(scene):
         return

@@ -22,8 +22,9 @@ from scuro.passes.post.stereo import eye_size
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip, Plane
+from scuro.scene.points import focus_points, hull, scene_points
 from scuro.scene.scene import Scene
-from scuro.scene.view import ViewSettings, focus_points, hull, scene_points, view_camera
+from scuro.scene.view import ViewSettings, view_camera
 from scuro.settings import SettingsGroup, setting
 
 _LONGEST = 100_000

@@ -14,8 +14,9 @@ from scuro.render import Renderer
 from scuro.render_names import SMALLEST_TEXT, text_size
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
+from scuro.scene.points import scene_points
 from scuro.scene.projection import Size
-from scuro.scene.view import ViewSettings, scene_points, view_camera
+from scuro.scene.view import ViewSettings, view_camera
 from scuro.viewer import navigate
 from scuro.viewer.drawing import Drawing, Drawn
 from scuro.viewer.eyes import Eye, eyes_of

@@ -7,7 +7,7 @@ import numpy as np
 from scuro.passes.frame import Frame
 from scuro.scene.camera import Camera
 from scuro.scene.geometry import Body
-from scuro.scene.view import body_points
+from scuro.scene.points import body_points
 
 _EXACT_POINTS = 1 << 20
 """With more primitives in view, bodies are measured by their instances' bounding spheres."""

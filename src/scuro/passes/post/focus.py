@@ -10,8 +10,8 @@ import numpy as np
 from scuro.passes.frame import Frame
 from scuro.passes.geometry.tiles import TILE
 from scuro.passes.post.depth import depth_range, fill_depths
+from scuro.scene.points import focus_points
 from scuro.scene.scene import Scene
-from scuro.scene.view import focus_points
 from scuro.settings import SettingsGroup, setting
 
 
