@@ -81,7 +81,7 @@ def picture_marks(
             names = placed_names(found, sight.survey.size, settings, fixed)
         marks = [name_text(label, x, y, settings) for label, x, y in names]
         marks = [*marks, *fixed]
-    if settings.stereo.mode != "side-by-side":
+    if settings.stereo.mode == "none":
         return marks
     return _for_both_eyes(renderer.accelerator(scene), camera, settings, names or [], fixed)
 
@@ -177,8 +177,12 @@ def _for_both_eyes(
     names: Names,
     fixed: Sequence[Mark],
 ) -> list[Mark]:
-    """Marks of two pictures side by side: names lie as deep as what they hang on."""
+    """Marks of two pictures, side by side or in each other: names lie as deep as what they hang on.
+
+    All else lies on the picture itself, without parallax.
+    """
     size = eye_size(settings.stereo, settings.size)
+    beside = settings.stereo.mode == "side-by-side"
     separation = settings.stereo.separation * accelerator.extent
     marks: list[Mark] = []
     anchors = np.array([label.anchor for label, _, _ in names]).reshape(-1, 3)
@@ -186,14 +190,15 @@ def _for_both_eyes(
     for eye in (-1, 1):
         own, jitter = eye_camera(camera, eye, separation, size[1])
         here = project(own, anchors, size) if len(anchors) else anchors
-        start = size[0] if eye > 0 else 0.0
+        start = size[0] if beside and eye > 0 else 0.0
         for (label, x, y), a, b in zip(names, middle, here, strict=True):
             moved = name_text(label, x + b[0] - a[0] - jitter[0], y + b[1] - a[1], settings)
             left, _, right, _ = moved.box
             if left >= 0 and right <= size[0]:  # nothing of it in the other eye's picture
-                marks.append(replace(moved, x=moved.x + start))
-        marks += [shifted(mark, start) for mark in fixed]
-    return marks
+                marks.append(replace(moved, x=moved.x + start, eye=0 if beside else eye))
+        if beside:
+            marks += [shifted(mark, start) for mark in fixed]
+    return marks if beside else [*marks, *fixed]
 
 
 def shifted(mark: Mark, x: float) -> Mark:

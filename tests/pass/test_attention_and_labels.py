@@ -10,11 +10,13 @@ from scuro.export.parts import save_in_parts
 from scuro.load import load
 from scuro.passes.part import split
 from scuro.passes.post.attention import chosen_table
+from scuro.passes.post.stereo import eye_camera
 from scuro.render import Renderer
 from scuro.render_names import Standing, namer_of, wanted
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.model import Ingredient, MesoscaleModel, Part, Structure
+from scuro.scene.projection import project
 from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings, view_camera
 from scuro.style.region_labels import Namer, levels_between, region_labels, region_numbers
@@ -139,6 +141,33 @@ def test_both_eyes_see_the_names(renderer, cell):
     changed = (named != bare).any(axis=-1)
     left, right = changed[:, :160].sum(), changed[:, 160:].sum()
     assert left > 100 and 0.6 < left / right < 1.6
+
+
+def test_through_glasses_names_lie_as_deep_as_what_they_name(renderer):
+    ball = Structure.of_spheres("ball", np.array([[0, 0, 0, 12.0]]))
+    turn = np.array([[0, 0, 0, 1]], np.float32)
+    near = Ingredient(("cell", "near"), (Part(ball, turn, np.array([[0.0, 20, 60]])),))
+    there = Ingredient(("cell", "there"), (Part(ball, turn, np.array([[0.0, -22, -10]])),))
+    scene = Scene().add(MesoscaleModel("cell", (near, there)))
+    changes = {"stereo__mode": "red-cyan", "stereo__separation": 0.2}
+    settings = Settings(size=(240, 180)).replace(text=10.0, **changes)
+    bare = np.asarray(renderer.render(scene, CAMERA, settings))
+    named = renderer.render(scene, CAMERA, settings.replace(labels__show="regions"))
+    marks = [m for m in named._marks if getattr(m, "text", "") in ("near", "there")]
+    extent = renderer.accelerator(scene).extent
+    left, right = (eye_camera(CAMERA, eye, 0.2 * extent, 180) for eye in (-1, 1))
+    apart = {}
+    for name, point in (("near", (0, 20, 72)), ("there", (0, -22, 2))):
+        (a, b) = (next(m for m in marks if (m.text, m.eye) == (name, eye)) for eye in (-1, 1))
+        seen = [project(c, [point], (240, 180))[0, 0] - shift[0] for c, shift in (left, right)]
+        assert a.x - b.x == pytest.approx(seen[0] - seen[1], abs=0.6), name
+        apart[name] = a.x - b.x
+    assert abs(apart["there"]) < 3 < apart["near"]
+    # and each is drawn through its own glass
+    changed = np.asarray(named)[..., :3] != bare[..., :3]
+    red, cyan = (np.nonzero(changed[:90, :, n])[1].mean() for n in (0, 1))
+    parallax = project(left[0], [(0, 20, 72)], (240, 180))[0, 0] - left[1][0] - 120
+    assert red - cyan == pytest.approx(2 * parallax, abs=1.5)
 
 
 def test_residues_and_atoms_have_names(renderer):

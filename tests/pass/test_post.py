@@ -173,6 +173,9 @@ def test_red_cyan_of_a_grey_scene_is_grey_where_the_eyes_agree(renderer):
     assert colorful[5, 5] <= 8  # the background
     assert colorful[55:65].max() <= 12  # the target has no parallax
     assert colorful[5:30].max() > 60  # what is nearer has fringes
+    # and lies to the right for the left eye, which sees red
+    red, cyan = (np.nonzero(picture[5:30, :, n] < 200)[1].mean() for n in (0, 1))
+    assert red > cyan + 2
 
 
 def test_eyes_agree_at_the_target_and_differ_before_it(renderer):

@@ -23,6 +23,8 @@ Rect = tuple[float, float, float, float]
 FONT = files("scuro") / "data/fonts/Roboto-Regular.ttf"
 _FINE = 4
 """Lines are drawn so many times finer: Pillow's have no smooth edges."""
+_SEEN_BY = {-1: slice(0, 1), 0: slice(0, 3), 1: slice(1, 3)}
+"""Colour channels that an eye sees through red-cyan glasses."""
 ASCENT, DESCENT, CAPITALS = 0.93, 0.24, 0.711
 """Of the font, in sizes: how far letters reach above and below their line, and capitals' height."""
 
@@ -42,6 +44,8 @@ class Text:
     """Colour of a rim around the letters."""
     align: str = "l"
     """Whether ``x`` is their left end, middle or right end: ``l``, ``m``, ``r``."""
+    eye: int = 0
+    """Who sees them through red-cyan glasses: -1 the left eye alone, 1 the right one, 0 both."""
 
     @property
     def rim(self) -> float:
@@ -138,9 +142,11 @@ def paint(pixels: NDArray[np.uint8], marks: Sequence[Mark], top: int = 0) -> NDA
     from PIL import Image
 
     pixels = np.array(pixels)
-    for rows, columns, stamp in _stamps(marks, pixels.shape[:2], top):
+    for rows, columns, seen, stamp in _stamps(marks, pixels.shape[:2], top):
         under = Image.fromarray(np.ascontiguousarray(pixels[rows, columns]), "RGBA")
-        pixels[rows, columns] = np.asarray(Image.alpha_composite(under, stamp))
+        made = np.asarray(Image.alpha_composite(under, stamp))
+        pixels[rows, columns, seen] = made[..., seen]
+        pixels[rows, columns, 3] = made[..., 3]
     return pixels
 
 
@@ -150,7 +156,7 @@ def paint_linear(
     """The same for premultiplied linear light (rows, width, 4): it encodes to what :func:`paint`
     makes."""
     linear = np.array(linear)
-    for rows, columns, stamp in _stamps(marks, linear.shape[:2], top):
+    for rows, columns, seen, stamp in _stamps(marks, linear.shape[:2], top):
         over = np.asarray(stamp, np.float32) / 255
         under = linear[rows, columns]
         alpha = under[..., 3:]
@@ -158,8 +164,9 @@ def paint_linear(
         whole = over[..., 3:] + alpha * (1 - over[..., 3:])
         share = np.divide(over[..., 3:], whole, out=np.zeros_like(whole), where=whole > 0)
         mixed = over[..., :3] * share + _encoded(own) * (1 - share)
+        own[..., seen] = _decoded(mixed)[..., seen]
         touched = over[..., 3:] > 0
-        made = np.concatenate([_decoded(mixed) * whole, whole], axis=-1)
+        made = np.concatenate([own * whole, whole], axis=-1)
         linear[rows, columns] = np.where(touched, made, under)
     return linear
 
@@ -175,8 +182,8 @@ def _decoded(srgb: NDArray) -> NDArray:
 
 def _stamps(
     marks: Sequence[Mark], shape: tuple[int, ...], top: int
-) -> Iterator[tuple[slice, slice, Any]]:
-    """For each mark that meets the rows: which rows and columns, and its RGBA picture there."""
+) -> Iterator[tuple[slice, slice, slice, Any]]:
+    """For each mark that meets the rows: rows, columns and channels, and its RGBA picture there."""
     from PIL import Image, ImageDraw
 
     height, width = shape[:2]
@@ -193,7 +200,8 @@ def _stamps(
         if fine > 1:
             stamp = stamp.reduce(fine)
         stamp = stamp.crop((seen[0] - x0, seen[1] - y0, seen[2] - x0, seen[3] - y0))
-        yield slice(seen[1] - top, seen[3] - top), slice(seen[0], seen[2]), stamp
+        channels = _SEEN_BY[mark.eye if isinstance(mark, Text) else 0]
+        yield slice(seen[1] - top, seen[3] - top), slice(seen[0], seen[2]), channels, stamp
 
 
 def _ground(mark: Mark) -> Color:
