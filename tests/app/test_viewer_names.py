@@ -91,7 +91,8 @@ def test_a_screen_shows_what_a_picture_has_written_over_it(renderer):
     from scuro.viewer.screen import Screen
 
     settings = Settings().replace(occlusion__technique="none", legend__show=True)
-    document = SceneFile(input=(Input(path="sample:1hpv"),), settings=settings)
+    show = (Show(color="bfactor"),)
+    document = SceneFile(input=(Input(path="sample:1hpv"),), show=show, settings=settings)
     screen = Screen(Model(document), renderer, "rgba8unorm", lambda name, write: name)
     screen.panel.open = False
     screen.resize(480.0, 300.0, 1.0)

@@ -17,7 +17,7 @@ from scuro.scene.scene import Scene
 from scuro.scene.volume import Volume
 from scuro.style.color import atom_colors
 from scuro.style.gauges import axis_cross, inks, nice_length, scale_bar
-from scuro.style.legend import legend_marks, tick_text, ticks
+from scuro.style.legend import Legend, legend_marks, tick_text, ticks
 from scuro.style.legends import molecule_legends, reservoir_legend, scene_legends, volume_legend
 from scuro.style.marks import Box, Line, Strip, Text, paint, paint_linear, text_width
 from scuro.style.reservoir_options import ReservoirSettings
@@ -58,6 +58,37 @@ def test_linear_light_encodes_to_the_same_picture():
     assert np.abs(found - wanted)[seen].max() < 3
     untouched = (wanted == picture).all(axis=-1) & (picture[..., 3] > 0)
     np.testing.assert_allclose(found[untouched], picture[untouched], atol=0.01)
+
+
+def test_words_for_one_eye_change_its_channels_alone():
+    picture = np.full((40, 90, 4), 255, np.uint8)
+    linear = np.ones((40, 90, 4), np.float32)
+    for eye, seen in ((-1, [0]), (1, [1, 2]), (0, [0, 1, 2])):
+        words = [Text("depth", 45, 28, 24, INK, (250, 250, 250, 255), "m", eye)]
+        made = paint(picture, words)
+        lit = 255 * display(paint_linear(linear, words))
+        changed = [n for n in range(3) if (made[..., n] < 128).any()]
+        assert changed == seen
+        assert np.abs(lit - made).max() < 1.5
+
+
+def test_a_legend_is_as_wide_as_its_words():
+    def width(*legends: Legend, size: tuple[int, int] = (900, 600)) -> float:
+        marks = legend_marks(legends, size, 12, "lower left", INK, HALO)
+        assert size[0] < 400 or not any("…" in m.text for m in marks if isinstance(m, Text))
+        return max(mark.box[2] - mark.box[0] for mark in marks if isinstance(mark, Box))
+
+    red = (200, 60, 60)
+    short = Legend("chain", swatches=((red, "A"),))
+    long = Legend("chain", swatches=((red, "HIV-1 envelope glycoprotein gp160"),))
+    assert width(short) < 110 < text_width(long.swatches[0][1], 12) < width(long) <= 26 * 12
+    assert width(short, long) == width(long), "one over the other they are alike"
+    strip = Legend("B-factor (Å²)", low=0, high=80, strip=((0, 0, 0), red))
+    assert width(strip) == 17 * 12
+    # a name more or less changes nothing most of the time
+    widths = {width(Legend("x" * n)) for n in range(5, 40)}
+    assert len(widths) < 9
+    assert width(long, size=(300, 300)) <= 17 * 12
 
 
 def test_every_letter_that_units_need_is_there():

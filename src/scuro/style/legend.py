@@ -16,8 +16,13 @@ STEPS = 64
 MOST_SWATCHES = 12
 _LINE = 1.35
 """Height of a line, in sizes of letters."""
-_WIDE = 17.0
-"""Width of a legend, in sizes of letters."""
+_NARROW, _WIDE, _STEP = 8.0, 26.0, 3.0
+"""Width of a legend at least and at most, and its steps, in sizes of letters: one whose words
+change from frame to frame changes its width seldom."""
+_STRIP_WIDE = 17.0
+"""Width at least of one with a strip."""
+_MOST_ACROSS = 0.45
+"""Share of a picture's width that wide legends may take."""
 _PLOT, _STRIP, _TICK = 3.6, 0.9, 0.3
 """Heights of histogram, colours and ticks, in sizes of letters."""
 _MOST_TICKS = 5
@@ -51,6 +56,15 @@ class Legend:
         lines = 1 + len(self.lines) + len(self.swatches) + bool(self.more)
         plot = (_PLOT if self.bars or self.curve else 0.3) + _STRIP + _TICK + _LINE
         return text * (_LINE * lines + (plot if self.strip else 0.0) + 0.6)
+
+    def width(self, text: float) -> float:
+        """Likewise, for all of its words and numbers."""
+        words = [text_width(line, text) for line in (self.title, *self.lines)]
+        words += [text_width(name, text) + 1.7 * text for _, name in self.swatches]
+        if self.ends is not None:
+            words.append(sum(text_width(end, text) for end in self.ends) + text)
+        least = text * (_STRIP_WIDE if self.strip else _NARROW)
+        return max(least, max(words) + 1.4 * text + 1)
 
 
 def ticks(low: float, high: float, most: int = _MOST_TICKS) -> list[float]:
@@ -96,7 +110,10 @@ def legend_marks(
         paper: Behind them.
     """
     margin = text
-    width = min(_WIDE * text, size[0] - 2 * margin)
+    wanted = max((legend.width(text) for legend in legends), default=0.0) / text
+    wanted = min(_NARROW + _STEP * math.ceil((wanted - _NARROW) / _STEP), _WIDE) * text
+    wanted = min(wanted, max(_STRIP_WIDE * text, _MOST_ACROSS * size[0]))
+    width = min(wanted, size[0] - 2 * margin)
     vertical, horizontal = corner.split()
     left = margin if horizontal == "left" else size[0] - margin - width
     marks: list[Mark] = []
