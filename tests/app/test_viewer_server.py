@@ -334,6 +334,38 @@ def test_only_named_files_and_those_below_the_root_open(tmp_path):
     assert Files.of(start).may_open(str(outside))
 
 
+def test_pages_are_told_of_files_by_the_names_they_know(tmp_path, renderer, monkeypatch):
+    root, other = tmp_path / "served", tmp_path / "elsewhere"
+    (root / "deep").mkdir(parents=True)
+    other.mkdir()
+    (other / "first.xyz").write_text("1\n\nC 0 0 0\n")
+    (other / "link.xyz").symlink_to(other / "first.xyz")
+    broken = root / "deep" / "broken.pdb"
+    broken.write_text("nothing\n")
+    (root / "bad.toml").write_text("scuro = 1\ncolour = 3\n")
+    monkeypatch.chdir(other)
+    document = SceneFile(input=(Input(path="link.xyz"),))
+    files = Files.of(document, str(root))
+    model = Model(document, guard=files.check)
+    told = []
+    monkeypatch.setattr("scuro.viewer.panel.panel.words", lambda text, *color: told.append(text))
+    screen = Screen(model, renderer, "rgba8unorm", str, files.listing, True, files.told)
+    screen.resize(800.0, 200.0, 1.0)
+    target = renderer.gpu.texture(screen.physical, "rgba8unorm", attachment=True)
+    for path, name in (
+        (str(broken), "deep/broken.pdb"),
+        (str(root / "bad.toml"), "bad.toml, line 2"),
+    ):
+        told.clear()
+        assert not model.open_path(path) and str(tmp_path) in model.message
+        screen.draw(target)
+        assert told and told[0].startswith(name) and str(tmp_path) not in told[0], told
+    assert files.told(f"{other / 'first.xyz'}: x, {Path('link.xyz').absolute()}") == (
+        "first.xyz: x, link.xyz"
+    )
+    screen.close()
+
+
 def test_a_page_cannot_make_the_model_open_another_file(model):
     files = Files.of(model.document)
     guarded = Model(model.document, model.scene, guard=files.check)

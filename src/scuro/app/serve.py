@@ -45,7 +45,9 @@ def command(
     renderer = Renderer(device)
 
     def make_screen(deliver: Any) -> Screen:
-        return Screen(model, renderer, "rgba8unorm", deliver, files.listing, elsewhere=True)
+        return Screen(
+            model, renderer, "rgba8unorm", deliver, files.listing, elsewhere=True, told=files.told
+        )
 
     def ready(bound: int) -> None:
         click.echo(access.link(bound))

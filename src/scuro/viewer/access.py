@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hmac
 import ipaddress
+import os
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -85,6 +86,8 @@ class Files:
 
     named: frozenset[Path] = field(default_factory=frozenset)
     root: Path | None = None
+    folders: frozenset[str] = field(default_factory=frozenset)
+    """Where they lie, in every spelling: what pages need not know."""
 
     @classmethod
     def of(cls, document: SceneFile, root: str | None = None) -> Files:
@@ -96,7 +99,12 @@ class Files:
         folder = None if root is None else Path(root).resolve()
         if folder is not None and not folder.is_dir():
             raise SettingsError(f"--root {root}: there is no such folder")
-        return cls(frozenset(_resolved(path) for path in _paths(document)), folder)
+        paths = _paths(document)
+        folders = {str(Path(path).expanduser().absolute().parent) for path in paths}
+        folders |= {str(_resolved(path).parent) for path in paths}
+        if root is not None:
+            folders |= {str(folder), str(Path(root).absolute())}
+        return cls(frozenset(map(_resolved, paths)), folder, frozenset(folders))
 
     def check(self, document: SceneFile) -> None:
         """See that a document names no other files; links are followed first.
@@ -121,6 +129,12 @@ class Files:
             return below and path != "-" and (real.exists() or not is_pdb_id(path))
         except (OSError, ValueError, RuntimeError):  # no path at all, or links in a circle
             return False
+
+    def told(self, words: str) -> str:
+        """Words for a page: files are named as it knows them, not by where they lie here."""
+        for folder in sorted(self.folders, key=len, reverse=True):
+            words = words.replace(folder.rstrip(os.sep) + os.sep, "")
+        return words
 
     def may_follow(self, path: Path) -> bool:
         """Whether a file may be read that another leads to: also beside and below named files."""
@@ -147,10 +161,10 @@ MOST_LISTED = 500
 
 
 def _readable(path: Path) -> bool:
-    """Whether a file's name says that scuro opens it."""
+    """Whether a file's name says that scuro opens it: data, a scene, or a picture of its own."""
     from scuro.load import READERS, Source
 
-    return path.suffix.lower() == ".toml" or Source(path.name, path).suffix in READERS
+    return path.suffix.lower() in (".toml", ".png") or Source(path.name, path).suffix in READERS
 
 
 def _resolved(path: str) -> Path:

@@ -56,6 +56,7 @@ class Screen:
             to a path with that ending; it returns a sentence for people.
         listing: Files to offer for opening.
         elsewhere: Whether ``deliver`` takes files to another machine.
+        told: Makes of an error's sentence what may be told.
     """
 
     def __init__(
@@ -66,6 +67,7 @@ class Screen:
         deliver: Callable[[str, Callable[[Path], None]], str],
         listing: Callable[[], list[str]] = list,
         elsewhere: bool = False,
+        told: Callable[[str], str] = str,
     ) -> None:
         self.model = model
         self.gpu = renderer.gpu
@@ -75,7 +77,7 @@ class Screen:
         self.controls = Controls(self.view, self.handles, self.probing)
         self.gui = Gui(self.gpu, format)
         self.glasses = Glasses(self.gpu, format)
-        self.panel = Panel(self.view, self.handles, self.probing, deliver, listing, elsewhere)
+        self.panel = Panel(self.view, self.handles, self.probing, deliver, listing, elsewhere, told)
         self.play_bar = PlayBar(self.view)
         self.names = Names(self.view, time.perf_counter)
         self.controls.key_hook = self.panel.key

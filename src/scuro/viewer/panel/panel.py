@@ -35,6 +35,7 @@ class Panel:
         deliver: Where pictures and scene files go; see :class:`scuro.viewer.screen.Screen`.
         listing: Files to offer for opening.
         elsewhere: Whether files leave this machine: their paths are then absolute.
+        told: Makes of an error's sentence what may be told.
     """
 
     def __init__(
@@ -45,8 +46,10 @@ class Panel:
         deliver: Deliver,
         listing: Callable[[], list[str]],
         elsewhere: bool = False,
+        told: Callable[[str], str] = str,
     ) -> None:
         self.view = view
+        self._told = told
         self._probing = probing
         self.jobs = Jobs()
         self.saving = Saving(view, self.jobs, deliver, elsewhere)
@@ -140,9 +143,9 @@ class Panel:
                 self.jobs.cancel(job)
         for said in (view.error, view.remark, model.message, self._groups.message):
             if said:
-                words(said, _WARNING)
+                words(self._told(said), _WARNING)
         if self.jobs.message:
-            words(self.jobs.message)
+            words(self._told(self.jobs.message))
 
     def _fold(self) -> None:
         self.open = False
