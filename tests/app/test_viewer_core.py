@@ -289,6 +289,29 @@ def test_another_file_is_opened_without_what_was_set_of_the_first(view):
     assert view.model.document.load == load and view.model.document.clipping.cube == (5, 5, 5)
 
 
+def test_every_view_stands_before_another_file_and_undo_brings_back_where_it_stood(
+    view, renderer, clock, tmp_path
+):
+    other = View(view.model, renderer.sibling(), (64, 48), clock)
+    turned = navigate.orbit(other.camera, (30, 0), SIZE)
+    other.move(turned)
+    path = tmp_path / "far.xyz"
+    path.write_text("2\n\nC 900 0 0\nO 901.5 0 0\n")
+    assert view.model.open_path(str(path))
+    for one in (view, other):
+        x, y, depth = navigate.project(one.camera, [(900.7, 0, 0)], one.size)[0]
+        assert depth > 0 and (x, y) == pytest.approx((one.size[0] / 2, one.size[1] / 2), abs=3)
+    view.model.undo()
+    assert other.camera == turned
+    view.model.redo()
+    assert other.camera.target[0] > 800
+    # also where a view of the same atoms is opened
+    saved = view.document()
+    there = replace(saved, view=saved.view.replace(target=(900.0, 0.0, 0.0)))
+    view.model.open(there)
+    assert other.camera.target == pytest.approx((900.0, 0.0, 0.0))
+
+
 def test_the_saved_view_is_the_view(view, controls, clock, tmp_path, renderer):
     for height in (None, 25.0):
         view.move(replace(navigate.orbit(view.camera, (33, 12), SIZE), height=height))

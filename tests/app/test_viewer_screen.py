@@ -1,5 +1,6 @@
 """What a screen of any size shows: sharp or small ones, two pictures side by side, and words."""
 
+import numpy as np
 import pytest
 
 from scuro.export.scene_file import Input, SceneFile, Show
@@ -154,4 +155,102 @@ def test_a_panel_over_the_picture_leaves_the_bars_at_its_foot(renderer):
     assert (before[bar] < 60).all(axis=-1).any(), "no scale bar: this shows nothing"
     assert (before[bar] == after[bar]).all()
     assert (before[:240, 200:470] != after[:240, 200:470]).any(axis=-1).mean() > 0.8
+    screen.close()
+
+
+@pytest.mark.parametrize("height", [None, 30.0])
+def test_side_by_side_shows_all_that_was_seen_and_one_eye_as_it_was(renderer, height):
+    from dataclasses import replace
+
+    from scuro.scene.points import scene_points
+    from scuro.viewer import navigate
+
+    screen = screen_of(renderer, (560.0, 400.0))
+    view, model = screen.view, screen.model
+    points = scene_points(model.scene)[:, :3]
+    view.camera = replace(view.camera, height=height)
+    view.fit()
+    before = view.camera
+    model.change(settings=model.settings.replace(stereo__mode="side-by-side"))
+    x = navigate.project(view.camera, points, (280.0, 400.0))[:, 0]
+    assert x.min() > 0 and x.max() < 280 and np.ptp(x) > 200
+    model.undo()
+    assert view.camera.position == pytest.approx(before.position)
+    assert view.camera.height == pytest.approx(before.height)
+    model.change(settings=model.settings.replace(stereo__mode="red-cyan"))
+    assert view.camera.position == pytest.approx(before.position), "as wide as for one eye"
+    screen.close()
+
+
+class Canvas:
+    """As rendercanvas has them, with textures of ours."""
+
+    def __init__(self, gpu, size):
+        self.gpu, self.size, self.ratio = gpu, size, 1.0
+        self.draw, self.asked, self.handlers = None, 0, []
+
+    def get_wgpu_context(self):
+        return self
+
+    def get_preferred_format(self, adapter):
+        return "rgba8unorm-srgb"
+
+    def configure(self, *, device, format):
+        self.format = format
+
+    def get_logical_size(self):
+        return self.size
+
+    def get_pixel_ratio(self):
+        return self.ratio
+
+    def get_current_texture(self):
+        physical = tuple(round(self.ratio * s) for s in self.size)
+        self.texture = self.gpu.texture(physical, self.format, attachment=True)
+        return self.texture
+
+    def add_event_handler(self, handler, *kinds):
+        self.handlers.append((handler, kinds))
+
+    def request_draw(self, draw=None):
+        self.draw, self.asked = draw or self.draw, self.asked + 1
+
+
+class Loop:
+    def call_later(self, wait, act):
+        pass
+
+
+def test_a_window_that_is_taken_to_a_sharper_display_is_drawn_anew_at_its_pixels(renderer):
+    from scuro.viewer.window import attach
+
+    canvas = Canvas(renderer.gpu, (300.0, 200.0))
+    document = SceneFile(
+        input=(Input(path="sample:1hpv"),), settings=Settings().replace(occlusion__technique="none")
+    )
+    screen = attach(canvas, Loop(), Model(document), renderer)
+    assert canvas.format == "rgba8unorm", "colours would be encoded twice"
+    canvas.draw()
+    assert (screen.physical, screen.view.ratio) == ((300, 200), 1.0)
+    canvas.ratio = 2.0  # its logical size stays, and no event tells
+    canvas.draw()
+    assert (screen.physical, screen.view.ratio) == ((600, 400), 2.0)
+    assert screen.view.size == (600, 400) and screen.controls.logical == (300.0, 200.0)
+    screen.view._moved -= 2 * REST
+    asked = canvas.asked
+    for _ in range(40):
+        canvas.draw()
+        if screen.view.complete:
+            break
+    assert screen.view.drawn.size == (600, 400) and canvas.asked > asked
+    # a click means the pixels twice as far from the corner
+    shown = renderer.gpu.read_texture(canvas.texture)[..., :3]
+    (handler, kinds), *_ = canvas.handlers
+    assert {"pointer_down", "pointer_up"} <= set(kinds)
+    for kind in ("pointer_down", "pointer_up"):
+        handler({"event_type": kind, "x": 150.0, "y": 100.0, "button": 1, "modifiers": ()})
+    (found,) = screen.view.selection
+    assert np.abs(shown[200, 300].astype(int) - 255).max() > 20, "nothing is there"
+    x, y, _ = screen.view.eyes((600.0, 400.0))[0].project([found.position])[0]
+    assert (x, y) == pytest.approx((300.5, 200.5), abs=0.6)
     screen.close()

@@ -114,6 +114,24 @@ def fit(camera: Camera, bounds: NDArray, aspect: float, points: NDArray | None =
     )
 
 
+def narrowed(camera: Camera, before: float, after: float, points: NDArray) -> Camera:
+    """The camera to which pictures of another width over height show as much of a scene.
+
+    Where its width was not what filled the picture, there is some to spare.
+
+    Args:
+        camera: Of the pictures before.
+        before: Their width over height.
+        after: That of the new ones.
+        points: Of the scene, (n, 3 or more).
+    """
+    # without perspective: from any distance the same, so that the way back ends where it began
+    across = points[:, :3] @ camera.view_from_world()[:2, :3].T
+    wide, high = np.ptp(across, axis=0) if len(across) else (1.0, 1.0)
+    own = wide / high if min(wide, high) > 0 else 1.0
+    return zoom(camera, min(after, own) / min(before, own), camera.target)
+
+
 def viewpoint(camera: Camera) -> NDArray[np.float64]:
     """(3,) a place on the line of sight to the target that is before everything seen."""
     eye = np.asarray(camera.position, np.float64)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from scuro.errors import ScuroError
-from scuro.passes.post.stereo import eye_size
+from scuro.passes.post.stereo import StereoSettings, eye_size
 from scuro.render import Renderer
 from scuro.render_names import SMALLEST_TEXT, text_size
 from scuro.render_settings import Settings
@@ -63,6 +63,10 @@ class View:
         software = renderer.gpu.info.software
         self.pacing = Pacing(SOFTWARE_TARGET if software else GPU_TARGET)
         self.camera = self.initial_camera()
+        self._place = self._shown_place()
+        self._cameras: dict[Any, Camera] = {}
+        """Where this view stood before what was shown earlier."""
+        self._stereo = model.settings.stereo
         self.selection: list[Pick] = []
         self.spinning = False
         self.profile = "scuro"
@@ -108,9 +112,28 @@ class View:
     @property
     def aspect(self) -> float:
         """Width over height of what an eye sees."""
-        settings = self.model.settings
-        width, height = eye_size(settings.stereo, _drawn_size(settings, self.size))
+        return self._aspect(self.model.settings.stereo)
+
+    def _aspect(self, stereo: StereoSettings) -> float:
+        width, height = eye_size(stereo, _drawn_size(stereo, self.size))
         return width / height
+
+    def _shown_place(self) -> Any:
+        """What a camera belongs to: what was read, and from where it is first looked at."""
+        return self.model.document.input, self.model.document.view
+
+    def _follow(self) -> None:
+        """Stand before another scene where it was left, or as it says; see as much in stereo."""
+        place, stereo = self._shown_place(), self.model.settings.stereo
+        if place != self._place:
+            self._cameras[self._place] = self.camera
+            known = self._cameras.get(place)
+            self.camera = self.initial_camera() if known is None else known
+        elif stereo.mode != self._stereo.mode:
+            aspects = [self._aspect(s) for s in (self._stereo, stereo)]
+            points = scene_points(self.model.scene)
+            self.camera = navigate.narrowed(self.camera, *aspects, points)
+        self._place, self._stereo = place, stereo
 
     def eyes(self, size: Size) -> tuple[Eye, ...]:
         """Those that the picture is for, in its pixels if it has this size."""
@@ -173,6 +196,7 @@ class View:
         """The model's scene, settings or clipping changed."""
         self.pacing.plain = False
         self.selection = [p for p in self.selection if p.item in self.model.scene.items]
+        self._follow()
         if self._rough is not None:
             self._rough.close()  # of what is no more
             self._rough = None
@@ -188,7 +212,9 @@ class View:
     @property
     def full_settings(self) -> Settings:
         """Of the picture that the view comes to rest at; ``scuro render`` makes the same one."""
-        settings = self.model.settings.replace(size=_drawn_size(self.model.settings, self.size))
+        settings = self.model.settings.replace(
+            size=_drawn_size(self.model.settings.stereo, self.size)
+        )
         if settings.text is None and text_size(settings) < SMALLEST_TEXT * self.ratio:
             settings = settings.replace(text=SMALLEST_TEXT * self.ratio / settings.px)
         return self.model.focused(settings, self.camera)
@@ -290,7 +316,7 @@ class View:
         if self.pacing.plain or self._bare or self._work is not None:
             settings = plain(settings)
         settings = settings.replace(
-            size=_drawn_size(settings, moving_size(self.size, self.pacing.scale))
+            size=_drawn_size(settings.stereo, moving_size(self.size, self.pacing.scale))
         )
         scene = self.model.dressed(self.camera)
         if self._rough is None:
@@ -361,9 +387,9 @@ class View:
         )
 
 
-def _drawn_size(settings: Settings, size: tuple[int, int]) -> tuple[int, int]:
+def _drawn_size(stereo: StereoSettings, size: tuple[int, int]) -> tuple[int, int]:
     """A picture's size: side by side it is an even number of pixels wide."""
     width, height = size
-    if settings.stereo.mode == "side-by-side":
+    if stereo.mode == "side-by-side":
         width = max(2, width - width % 2)
     return width, height

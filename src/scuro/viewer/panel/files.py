@@ -38,12 +38,13 @@ class Files:
         for name, listed in self._listed.items():
             if imgui.selectable(name, False)[0]:
                 self._open(listed)
-            imgui.set_item_tooltip(listed)
 
     def _open(self, path: str) -> None:
-        if self.view.model.open_path(path):
-            self.view.camera = self.view.initial_camera()
-            self.view.stir()
+        view = self.view
+        # what takes long to read is shown, and stood before, when it is there
+        if view.model.open_path(path) and view.model.restyle is None:
+            view.camera = view.initial_camera()
+            view.stir()
 
     def save(self) -> None:
         """Pictures, films, scene files."""
