@@ -3,6 +3,7 @@
 import asyncio
 import json
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ pytest.importorskip("numba", reason="needs the viewer extra")
 
 from scuro.errors import LoadError, SettingsError
 from scuro.export.scene_file import Input, SceneFile, Show
-from scuro.probe.probe import Probe, ProbeSettings, placed_atoms, read_path
+from scuro.load import load
+from scuro.probe.probe import Probe, ProbeSettings, placed_atoms
 from scuro.render import Renderer
 from scuro.scene.scene import Scene
 from scuro.viewer.controls import Controls
@@ -123,7 +125,9 @@ def test_a_path_is_recorded_saved_and_replayed(probing, tmp_path):
     for _ in range(12):
         probing.key("ArrowRight")
     probe.save_path(tmp_path / "path.json")
-    points = read_path(tmp_path / "path.json")
+    track = load(tmp_path / "path.json")
+    points = track.points
+    assert track.radius == probe.settings.radius and track.summary()["length"] > 2
     assert len(points) == len(probe.path) >= 10
     now = [0.0]
     probing._clock = lambda: now[0]
@@ -134,10 +138,66 @@ def test_a_path_is_recorded_saved_and_replayed(probing, tmp_path):
         now[0] += probing.wait
         probing.tick()
     assert probe.position == pytest.approx(points[-1], abs=0.01)
-    (tmp_path / "bad.json").write_text('{"points": [[1, 2]]}')
-    for name in ("bad.json", "none.json"):
-        with pytest.raises(LoadError):
-            read_path(tmp_path / name)
+    for bad in ("[[1, 2]]", "[]", "3", '[[1, 2, "x"]]', "[[1, 2, NaN]]", "[[1, 2, 3], [4, 5]]"):
+        (tmp_path / "bad.json").write_text(f'{{"points": {bad}}}')
+        with pytest.raises(LoadError, match="path"):
+            load(tmp_path / "bad.json")
+
+
+def test_a_saved_path_is_drawn_where_it_went_and_replayed(probing, tmp_path, renderer):
+    probe = probing.probe
+    probe.recording = True
+    for key in ("PageUp",) * 12 + ("ArrowRight",) * 12:
+        probing.key(key)
+    probe.save_path(tmp_path / "path.json")
+    model = probing.view.model
+    document = model.document
+    together = replace(document, input=(*document.input, Input(path=str(tmp_path / "path.json"))))
+    assert model.open(together)
+    end = time.time() + 30
+    while model.restyle is not None and time.time() < end:
+        model.tick()
+    (item,) = model.scene.tracks
+    (body,) = item.bodies()
+    assert item.bodies()[0] is body
+    np.testing.assert_allclose(body.geometry.spheres[:, :3], probe.path, atol=1e-4)
+    assert len(body.geometry.rods) == len(probe.path) - 1
+    # in the picture its end is seen where it lies, in its own colour
+    camera, size = probing.view.camera, (200, 150)
+    settings = model.settings.replace(size=size)
+    picture = np.asarray(renderer.render(model.scene, camera, settings))
+    x, y, _ = project(camera, [probe.path[-1]], size)[0]
+    r, g, b, _ = picture[int(y), int(x)].astype(int)
+    assert b > r + 40 and b > g
+    # and a new probe goes along it
+    model.set_probe(ProbeSettings(), model.middle)
+    probing.replay()
+    assert probing.replaying and len(probing.path) == len(item.track.points)
+
+
+def test_a_replay_can_be_left(probing):
+    probe = probing.probe
+    probe.recording = True
+    for _ in range(12):
+        probing.key("ArrowRight")
+    ways = (
+        probing.replay,
+        lambda: probing.key("ArrowLeft"),
+        lambda: probing.press(seen(probing)[0], seen(probing)[1]),
+    )
+    for leave in ways:
+        probing.replay()
+        probing.tick()
+        assert probing.replaying and probing.wait is not None
+        leave()
+        assert not probing.replaying and probing.wait is None
+
+
+def seen(probing):
+    """Where the probe is in its picture, and by which eye."""
+    (eye,) = probing.view.eyes(probing.view.size)
+    x, y, _ = eye.project([probing.probe.position])[0]
+    return (x, y), eye
 
 
 def test_a_gamepad_moves_it_with_time_and_never_into_an_atom(probing):

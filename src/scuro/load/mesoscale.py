@@ -1,6 +1,6 @@
-"""Cell-scale models in JSON: cellPACK results and cellPACK's serialized pair.
+"""What comes in JSON: cell-scale models (cellPACK's results and serialized pair), probes' paths.
 
-The other forms have readers of their own: the BinaryCIF of Mol* Mesoscale Explorer
+The other forms of models have readers of their own: the BinaryCIF of Mol* Mesoscale Explorer
 (:mod:`scuro.load.mesoscale_bcif`) and scuro's own tables (:mod:`scuro.load.mesoscale_table`).
 """
 
@@ -15,11 +15,13 @@ from scuro.load.mesoscale_serialized import model_of_serialized
 from scuro.load.mesoscale_structures import StructureLibrary
 from scuro.load.options import LoadOptions
 from scuro.load.source import Source
+from scuro.load.track import track_of
 from scuro.scene.model import MesoscaleModel
+from scuro.scene.track import Track
 
 
-def read_json(source: Source, options: LoadOptions) -> MesoscaleModel:
-    """Read a cellPACK model of either JSON form.
+def read_json(source: Source, options: LoadOptions) -> MesoscaleModel | Track:
+    """Read a cellPACK model of either JSON form, or the path of a probe.
 
     ``options.structures`` names a folder of ingredient structures that is searched before the
     model's own; with ``options.strict`` a missing structure is an error, else spheres stand for it.
@@ -28,6 +30,8 @@ def read_json(source: Source, options: LoadOptions) -> MesoscaleModel:
         LoadError: The file is damaged, or of a form or version that is not known.
     """
     content = parse_object(source)
+    if "points" in content:
+        return track_of(source, content)
     library = StructureLibrary(source, options)
     if "recipe" in content:
         return model_of_recipe(source, content, library)
@@ -35,7 +39,8 @@ def read_json(source: Source, options: LoadOptions) -> MesoscaleModel:
         return model_of_serialized(source, content, library)
     raise LoadError(
         source.name,
-        "is not a cellPACK model: it has neither a 'recipe' nor 'Compartments' at its top level",
+        "is not a cellPACK model: it has neither a 'recipe' nor 'Compartments' at its top level; "
+        "nor is it the path of a probe, which has 'points'",
     )
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scuro.errors import LoadError, SettingsError
+from scuro.errors import SettingsError
 from scuro.export.files import replacing
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip, Plane
@@ -134,7 +134,7 @@ class Probe:
             self.path.append(place)
 
     def save_path(self, path: str | Path) -> None:
-        """Write the recorded path as JSON.
+        """Write the recorded path as JSON, which is read as a :class:`scuro.scene.track.Track`.
 
         Raises:
             SaveError: It cannot be written.
@@ -213,20 +213,3 @@ def _placements(item: MoleculeItem, selection: str) -> list[tuple[NDArray, NDArr
         (mask & np.isin(molecule.chain, part.chains), part.rotations, part.positions)
         for part in molecule.assembly(item.assembly)
     ]
-
-
-def read_path(path: str | Path) -> NDArray[np.float64]:
-    """(n, 3) places of a path that :meth:`Probe.save_path` wrote.
-
-    Raises:
-        LoadError: It is no such file.
-    """
-    try:
-        points = np.array(json.loads(Path(path).read_text("utf-8"))["points"], np.float64)
-    except FileNotFoundError:
-        raise LoadError(path, "there is no such file") from None
-    except (OSError, ValueError, KeyError, TypeError):
-        raise LoadError(path, "is no path of a probe") from None
-    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise LoadError(path, "is no path of a probe: its points are not (x, y, z)")
-    return points

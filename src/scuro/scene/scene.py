@@ -19,6 +19,7 @@ from scuro.scene.model import MesoscaleModel
 from scuro.scene.molecule import Molecule
 from scuro.scene.regions import Divided, Hierarchy, hierarchy_of
 from scuro.scene.reservoir import ReservoirItem
+from scuro.scene.track import Track, TrackItem
 from scuro.scene.volume import Volume
 from scuro.style.reservoir_options import ReservoirSettings
 
@@ -50,6 +51,8 @@ class Scene:
             item = VolumeItem(item)
         elif isinstance(item, CornerPointGrid):
             item = ReservoirItem(item)
+        elif isinstance(item, Track):
+            item = TrackItem(item)
         self.items.append(item)
         return self
 
@@ -117,6 +120,10 @@ class Scene:
     @property
     def volumes(self) -> list[VolumeItem]:
         return [item for item in self.items if isinstance(item, VolumeItem)]
+
+    @property
+    def tracks(self) -> list[TrackItem]:
+        return [item for item in self.items if isinstance(item, TrackItem)]
 
     @property
     def reservoirs(self) -> list[ReservoirItem]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
 import json
 import time
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
 from scuro.probe.probe import Probe, ProbeSettings
@@ -27,7 +27,7 @@ REPLAY = 30.0
 _FORCE = 4.0
 """Å an arrow has for each Å of penetration (at a stiffness of one)."""
 _BALL, _SHINE, _RIM = 0x70D09040, 0x24FFE8D0, 0xFF703818
-_HAND, _ARROW, _PATH = 0xFF2020C0, 0xFF2020E0, 0xA0B06020
+_HAND, _ARROW, _PATH, _RIM_OF_PATH = 0xFF2020C0, 0xFF2020E0, 0xFFB06020, 0xC8F4EEE8
 _KEYS = {
     "ArrowLeft": (-1, 0, 0),
     "ArrowRight": (1, 0, 0),
@@ -86,6 +86,7 @@ class Probing:
             return True
         if self.probe is None or key not in _KEYS:
             return False
+        self._replay = []
         offset = np.array(_KEYS[key]) @ self.view.camera.view_from_world()[:3, :3] * STEP
         self.probe.move(self.probe.position + offset)
         self.view.model.tell()
@@ -113,7 +114,10 @@ class Probing:
             return False
         x, y, depth = eye.project([self.probe.position])[0]
         reach = self._pixels(eye, depth) + 4
-        return bool(depth > 0 and np.hypot(x - point[0], y - point[1]) <= reach)
+        held = bool(depth > 0 and np.hypot(x - point[0], y - point[1]) <= reach)
+        if held:
+            self._replay = []  # the hand has it
+        return held
 
     def drag(self, last: Size, now: Size, eye: Eye) -> None:
         """Move the hand in the plane of the picture."""
@@ -141,11 +145,25 @@ class Probing:
 
     # --- path --------------------------------------------------------------------------------
 
+    @property
+    def path(self) -> list[list[float]]:
+        """What was recorded; if nothing, what was saved and is in the scene."""
+        tracks = self.view.model.scene.tracks
+        if self.probe is None or self.probe.path or not tracks:
+            return [] if self.probe is None else self.probe.path
+        return tracks[0].track.points.tolist()
+
+    @property
+    def replaying(self) -> bool:
+        return bool(self._replay)
+
     def replay(self) -> None:
-        """Go along the recorded path again."""
-        if self.probe is not None and self.probe.path:
+        """Go along the path again, or stop doing so."""
+        if self._replay:
+            self._replay = []
+        elif self.probe is not None:
             self.probe.recording = False
-            self._replay, self._begun, self._shown = list(self.probe.path), self._clock(), -1
+            self._replay, self._begun, self._shown = list(self.path), self._clock(), -1
 
     @property
     def wait(self) -> float | None:
@@ -183,10 +201,7 @@ class Probing:
             return
         paper = imgui.get_background_draw_list()
         if len(probe.path) > 1:
-            places = eye.project(probe.path)
-            for a, b in itertools.pairwise(places):
-                if a[2] > 0 and b[2] > 0:
-                    paper.add_line(tuple(a[:2]), tuple(b[:2]), _PATH, 2.0)
+            _trail(paper, eye.project(probe.path))
         (x, y, depth), hand = eye.project([probe.position, probe.target])
         if depth <= 0:
             return
@@ -195,6 +210,20 @@ class Probing:
         if (probe.force != 0).any() and hand[2] > 0:
             paper.add_circle_filled((hand[0], hand[1]), 3.0, _HAND)
             arrow(paper, eye, probe.position, _FORCE * probe.force, _ARROW)
+
+
+def _trail(paper: Any, places: NDArray[np.float64]) -> None:
+    """A line through places (n, 3), parted where they are behind the eye; with a light rim, so
+    that it is seen on dark things, too."""
+    from imgui_bundle import imgui
+
+    hidden = np.flatnonzero(~(places[:, 2] > 0))
+    runs = [np.delete(run, 0, 0) if n else run for n, run in enumerate(np.split(places, hidden))]
+    for ink, width in ((_RIM_OF_PATH, 4.0), (_PATH, 2.0)):
+        for run in runs:
+            if len(run) > 1:
+                points = [imgui.ImVec2(x, y) for x, y in run[:, :2].tolist()]
+                paper.add_polyline(points, ink, width, 0)
 
 
 def _ball(paper: Any, middle: Size, radius: float) -> None:

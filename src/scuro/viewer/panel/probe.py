@@ -44,10 +44,14 @@ class ProbePart:
         imgui.text_disabled(f"{len(probe.path)} places")
         some = bool(probe.path)
         buttons(
-            ("Replay", "Go along the path again", probing.replay if some else None),
+            (
+                "Stop" if probing.replaying else "Replay",
+                "Go along the path again",
+                probing.replay if probing.path else None,
+            ),
             (
                 "Save path",
-                "",
+                "To render it: name it besides the structure, or open both from a scene file",
                 (lambda: self._saving.deliver("probe-path.json", probe.save_path))
                 if some
                 else None,
