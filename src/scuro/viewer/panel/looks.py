@@ -31,7 +31,7 @@ class Looks:
         from imgui_bundle import imgui
 
         model = self.view.model
-        shows = model.document.show
+        shows = model.document.show or (Show(),)  # what nobody chose can be changed, too
         if not model.scene.molecules or not heading("Representations", open=True):
             return
         for index, show in enumerate(shows):

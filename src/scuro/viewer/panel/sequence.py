@@ -10,6 +10,7 @@ from scuro.scene.items import MoleculeItem
 from scuro.scene.molecule import Molecule
 from scuro.viewer import navigate
 from scuro.viewer.pick import Pick
+from scuro.viewer.theme import ACCENT
 from scuro.viewer.view import View
 
 _LETTERS = {
@@ -76,11 +77,13 @@ class SequenceStrip:
         letters = sequence(item.molecule, index)
         imgui.push_style_var(imgui.StyleVar_.selectable_text_align, imgui.ImVec2(0.5, 0.5))
         imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(0, 0))
+        imgui.push_style_color(imgui.Col_.header, ACCENT)  # as what is selected in the picture
         clipper = imgui.ListClipper()
         clipper.begin(-(-len(letters) // _ROW), _LINE)
         while clipper.step():
             for row in range(clipper.display_start, clipper.display_end):
                 self._line(item, letters, row * _ROW)
+        imgui.pop_style_color()
         imgui.pop_style_var(2)
 
     def _line(self, item: MoleculeItem, letters: list[tuple[str, int, int]], first: int) -> None:
