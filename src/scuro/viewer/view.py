@@ -130,9 +130,9 @@ class View:
             known = self._cameras.get(place)
             self.camera = self.initial_camera() if known is None else known
         elif stereo.mode != self._stereo.mode:
-            aspects = [self._aspect(s) for s in (self._stereo, stereo)]
+            before, after = self._aspect(self._stereo), self._aspect(stereo)
             points = scene_points(self.model.scene)
-            self.camera = navigate.narrowed(self.camera, *aspects, points)
+            self.camera = navigate.narrowed(self.camera, before, after, points)
         self._place, self._stereo = place, stereo
 
     def eyes(self, size: Size) -> tuple[Eye, ...]:
