@@ -1,12 +1,16 @@
 """Stereo in the viewer: what lies over the picture is seen by each eye where it should be."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_viewer_screen import move, rest, screen_of
 
+from scuro.probe.probe import ProbeSettings
 from scuro.scene.clip import Cut
+from scuro.viewer import overlay
 from scuro.viewer.eyes import eye_at
-from scuro.viewer.pick import pick
+from scuro.viewer.pick import atom_name, pick
 
 SIZE = (420.0, 240.0)
 MODES = ("side-by-side", "red-cyan")
@@ -148,3 +152,40 @@ def test_through_glasses_each_eye_has_its_own_names(renderer, monkeypatch):
         assert (left[text], right[text]) == pytest.approx(seen, abs=1e-6)
         assert abs(seen[0] - seen[1]) > 0.5
     screen.close()
+
+
+def test_names_of_atoms_measures_path_and_force_hang_on_their_places(screen, monkeypatch):
+    pytest.importorskip("numba", reason="needs the viewer extra")
+    model, probing = screen.model, screen.probing
+    toward = screen.view.camera.view_from_world()[2, :3]
+    first = middle_pick(screen)
+    molecule = first.molecule
+    away = np.argmax(molecule.positions @ toward)
+    second = replace(first, element=int(away))
+    screen.view.selection = [first, second]
+    screen.panel._tools.names = True
+    model.set_probe(ProbeSettings(), first.anchor + 20 * toward)
+    probe = probing.probe
+    probe.path[:] = [(first.anchor + n * toward).tolist() for n in (18.0, 20.0, 22.0)]
+    probe.target = probe.position + 0.5 * screen.view.camera.view_from_world()[0, :3]
+    words, trails, arrows = [], [], []
+    monkeypatch.setattr(overlay, "_text", lambda paper, corner, text: words.append((text, corner)))
+    monkeypatch.setattr(
+        "scuro.viewer.probing._trail", lambda paper, places: trails.append(places.copy())
+    )
+    monkeypatch.setattr(
+        overlay, "arrow", lambda paper, eye, start, vector, ink: arrows.append((eye.number, start))
+    )
+    screen.draw(screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True))
+    eyes = screen.view.eyes(SIZE)
+    assert [number for number, _ in arrows] == [-1, 1]
+    for eye, places in zip(eyes, trails, strict=True):
+        assert places == pytest.approx(eye.project(probe.path))
+    by_text = {text: [corner for t, corner in words if t == text] for text, _ in words}
+    (distance,) = [t for t in by_text if t.endswith(" Å")]
+    middles = [eye.project([first.anchor, second.anchor])[:, :2].mean(axis=0) for eye in eyes]
+    assert by_text[distance] == [pytest.approx((x + 6, y + 4)) for x, y in middles]
+    name = atom_name(molecule, int(away))
+    (left, right), seen = by_text[name], [eye.project([second.anchor])[0] for eye in eyes]
+    assert right[0] - left[0] == pytest.approx(seen[1][0] - seen[0][0])
+    assert abs(seen[1][0] - eyes[1].start - seen[0][0]) > 1, "no parallax: this shows nothing"
