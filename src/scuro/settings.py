@@ -39,11 +39,13 @@ def setting(
     choices: tuple[str, ...] | Callable[[], tuple[str, ...]] | None = None,
     main: bool = False,
     check: Callable[[Any], None] | None = None,
+    switch: bool = False,
 ) -> Any:
     """Declare one setting of a :class:`SettingsGroup`.
 
     Args:
-        default: The value when nobody says otherwise. ``None`` means "worked out from the scene".
+        default: The value when nobody says otherwise. ``None`` means "worked out from the scene",
+            or, for a ``switch``, "off".
         help: One line for people.
         low: Smallest value allowed (each element's, for tuples).
         high: Largest value allowed.
@@ -51,10 +53,12 @@ def setting(
         choices: The words allowed, for text settings.
         main: The group's own flag: ``occlusion.technique`` with ``main`` is ``--occlusion``.
         check: Further check; raises :class:`SettingsError`.
+        switch: Whether ``None`` turns it off.
     """
     metadata = dict(
-        help=help, low=low, high=high, unit=unit, choices=choices, main=main, check=check
-    )
+        help=help, low=low, high=high, unit=unit, choices=choices, main=main, check=check,
+        switch=switch,
+    )  # fmt: skip
     return field(default=default, metadata=metadata)
 
 
@@ -77,6 +81,8 @@ class Parameter:
     many: bool
     """Whether the value is a tuple; ``type`` is then its elements' type."""
     check: Callable[[Any], None] | None
+    switch: bool
+    """Whether ``None`` turns it off, instead of leaving it to the scene."""
 
 
 @dataclass_transform(frozen_default=True)

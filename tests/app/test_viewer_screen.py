@@ -6,6 +6,7 @@ import pytest
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.render_names import SMALLEST_TEXT, text_size
 from scuro.render_settings import Settings
+from scuro.settings import parameters
 from scuro.viewer.model import Model
 from scuro.viewer.playbar import foot, room
 from scuro.viewer.view import REST
@@ -253,4 +254,40 @@ def test_a_window_that_is_taken_to_a_sharper_display_is_drawn_anew_at_its_pixels
     assert np.abs(shown[200, 300].astype(int) - 255).max() > 20, "nothing is there"
     x, y, _ = screen.view.eyes((600.0, 400.0))[0].project([found.position])[0]
     assert (x, y) == pytest.approx((300.5, 200.5), abs=0.6)
+    screen.close()
+
+
+def test_what_is_off_is_switched_on_and_units_are_told_of_rows_of_numbers(renderer, monkeypatch):
+    from imgui_bundle import imgui
+
+    from scuro.passes.volume.planes import PlaneSettings
+    from scuro.scene.clip import ClippingSettings
+    from scuro.viewer.panel.fields import Fields
+
+    by_name = {p.name: p for p in (*parameters(PlaneSettings), *parameters(ClippingSettings))}
+    assert by_name["x"].switch and by_name["cube"].switch and not by_name["cube_center"].switch
+    screen = screen_of(renderer, (900.0, 320.0))
+    ticked, written = [], []
+
+    def checkbox(title, value):
+        ticked.append((title, value))
+        return False, value
+
+    monkeypatch.setattr(imgui, "checkbox", checkbox)
+    monkeypatch.setattr(imgui, "text", written.append)
+    fields, seen = Fields(), []
+    monkeypatch.setattr(
+        screen.panel,
+        "draw",
+        lambda size: seen.extend(
+            fields.edit(name, by_name[name], value)
+            for name, value in (("x", None), ("x", 0.5), ("cube", (3.0, 4.0, 5.0)),
+                                ("cube_center", None))
+        ),
+    )  # fmt: skip
+    screen.draw(screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True))
+    assert [tick[0] for tick in ticked] == ["##on", "##on", "##on", "auto##auto"]
+    assert [tick[1] for tick in ticked] == [False, True, True, True]
+    assert seen == [(False, None), (False, 0.5), (False, (3.0, 4.0, 5.0)), (False, None)]
+    assert written == ["x", "cube (Å)", "cube center"]
     screen.close()

@@ -1,6 +1,7 @@
 """Stereo in the viewer: what lies over the picture is seen by each eye where it should be."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from scuro.probe.probe import ProbeSettings
 from scuro.scene.clip import Cut
 from scuro.viewer import overlay
 from scuro.viewer.eyes import eye_at
+from scuro.viewer.overlay import arrow as draw_arrow
 from scuro.viewer.pick import atom_name, pick
 
 SIZE = (420.0, 240.0)
@@ -179,6 +181,15 @@ def test_names_of_atoms_measures_path_and_force_hang_on_their_places(screen, mon
     screen.draw(screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True))
     eyes = screen.view.eyes(SIZE)
     assert [number for number, _ in arrows] == [-1, 1]
+    for eye in eyes:  # the arrow itself: from root to tip
+        lines = []
+        paper = SimpleNamespace(
+            add_line=lambda a, b, *ink: lines.append((*a, *b)),  # noqa: B023
+            add_triangle_filled=lambda *rest: None,
+        )
+        draw_arrow(paper, eye, first.anchor, toward, 0)
+        ends = eye.project([first.anchor, first.anchor + toward])[:, :2]
+        assert lines == [pytest.approx(ends.ravel().tolist())]
     for eye, places in zip(eyes, trails, strict=True):
         assert places == pytest.approx(eye.project(probe.path))
     by_text = {text: [corner for t, corner in words if t == text] for text, _ in words}

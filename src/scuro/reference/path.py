@@ -29,8 +29,9 @@ class PathSettings(SettingsGroup):
 
     samples: int = setting(64, "paths a pixel", low=1, high=MOST_SAMPLES)
     seconds: float | None = setting(
-        None, "stop after this time, if it comes before the samples", low=0, unit="s"
-    )
+        None, "stop after this time, if it comes before the samples", low=0, unit="s",
+        switch=True,
+    )  # fmt: skip
     bounces: int = setting(4, "times a path may scatter; 1 is direct light", low=1, high=64)
     environment: str = setting(
         "constant",
@@ -39,7 +40,7 @@ class PathSettings(SettingsGroup):
     )
     antialias: bool = setting(True, "spread the samples over each pixel")
     limit: float | None = setting(
-        None, "cut brighter contributions to this: fewer sparks, but biased", low=0
+        None, "cut brighter contributions to this: fewer sparks, but biased", low=0, switch=True
     )
 
 

@@ -102,8 +102,9 @@ class ClippingSettings(SettingsGroup):
     spare: str = setting("", "selection that is not cut, in PyMOL's words")
     whole_atoms: bool = setting(False, "drop atoms as a whole, by their centres, and cut none")
     cube: tuple[float, float, float] | None = setting(
-        None, "show only what is inside a box of this width, height and depth", low=0.01, unit="Å"
-    )
+        None, "show only what is inside a box of this width, height and depth", low=0.01, unit="Å",
+        switch=True,
+    )  # fmt: skip
     cube_center: tuple[float, float, float] | None = setting(
         None, "the box's middle in the file's coordinates (default: the scene's)"
     )

@@ -30,7 +30,9 @@ class Light(SettingsGroup):
         "constant, linear and quadratic: light falls off as 1/(c + l d + q d²)",
         low=0,
     )
-    reach: float | None = setting(None, "no light beyond this distance (point and spot)", low=0)
+    reach: float | None = setting(
+        None, "no light beyond this distance (point and spot)", low=0, switch=True
+    )
     cone: float = setting(30.0, "half-angle of a spot's full light", low=0, high=180, unit="deg")
     fade: float = setting(
         10.0, "angle over which a spot goes from full to none", low=0, high=180, unit="deg"

@@ -63,8 +63,8 @@ class ReservoirSettings(SettingsGroup):
         "auto", "colour and opacity: auto, a colormap's name, or a transfer function's file"
     )
     opacity: str = setting("", "opacity points instead of the transfer function's: '0.2:0 0.8:0.4'")
-    low: float | None = setting(None, "show no cells with values below this")
-    high: float | None = setting(None, "show no cells with values above this")
+    low: float | None = setting(None, "show no cells with values below this", switch=True)
+    high: float | None = setting(None, "show no cells with values above this", switch=True)
     box: str = setting("", "show no cells outside, e.g. 'i=5:20 k=1:3'", check=_check_box)
     slices: str = setting("", "layers that 'slices' shows, e.g. 'k3 i12'", check=_check_slices)
     iso: float | None = setting(None, "value of the surface that 'iso' shows; auto: the middle")

@@ -279,5 +279,5 @@ def _along(normal: NDArray, move: NDArray, camera: Camera) -> float:
 
 
 def _tuple(v: ArrayLike) -> tuple[float, float, float]:
-    x, y, z = np.asarray(v, np.float64).tolist()
+    x, y, z = (np.asarray(v, np.float64) + 0.0).tolist()  # nobody wants to read -0
     return x, y, z

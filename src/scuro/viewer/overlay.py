@@ -160,8 +160,9 @@ def _measure(paper: Any, eye: Eye, measure: Measure) -> Rect | None:
     places = eye.project(measure.points)
     if not (places[:, 2] > 0).all():
         return None
-    for a, b in itertools.pairwise(places):
-        paper.add_line(tuple(a[:2]), tuple(b[:2]), ACCENT, 2.0)
+    for ink, width in ((_EDGE, 4.0), (ACCENT, 2.0)):
+        for a, b in itertools.pairwise(places):
+            paper.add_line(tuple(a[:2]), tuple(b[:2]), ink, width)
     x, y = (places[:, :2].mean(axis=0) + np.array([6.0, 4.0])).tolist()
     _text(paper, (x, y), measure.text)
     width, height = imgui.calc_text_size(measure.text)

@@ -15,9 +15,15 @@ _RIM = 1.5
 class PlaneSettings(SettingsGroup):
     """Slice planes: values of the volume, opaque and unlit."""
 
-    x: float | None = setting(None, "slice across x at this share of the volume", low=0, high=1)
-    y: float | None = setting(None, "slice across y at this share of the volume", low=0, high=1)
-    z: float | None = setting(None, "slice across z at this share of the volume", low=0, high=1)
+    x: float | None = setting(
+        None, "slice across x at this share of the volume", low=0, high=1, switch=True
+    )
+    y: float | None = setting(
+        None, "slice across y at this share of the volume", low=0, high=1, switch=True
+    )
+    z: float | None = setting(
+        None, "slice across z at this share of the volume", low=0, high=1, switch=True
+    )
     alone: bool = setting(True, "show the slices without the volume around them")
 
     @property

@@ -79,7 +79,9 @@ class VolumeSettings(SettingsGroup):
     opacity: str = setting("", "opacity points that replace the transfer function's: '40:0 90:0.8'")
     window: float | None = setting(None, "width of a window of values, with --level", low=0)
     level: float | None = setting(None, "middle of the window")
-    iso: float | None = setting(None, "show the surface where values cross this, instead")
+    iso: float | None = setting(
+        None, "show the surface where values cross this, instead", switch=True
+    )
     scale: float = setting(
         1.0,
         "draw the volume so many times larger or smaller and scale its picture",

@@ -53,14 +53,19 @@ class Fields:
 
         if not p.optional:
             return self._value(place, p, value)
-        changed, automatic = imgui.checkbox("auto##auto", value is None)
+        if p.switch:
+            _, on = imgui.checkbox("##on", value is not None)
+        else:
+            _, automatic = imgui.checkbox("auto##auto", value is None)
+            on = not automatic
         imgui.same_line()
-        if automatic:
+        if not on:
             imgui.text(label(p))
-            return changed and value is not None, None
+            return value is not None, None
         if value is None:
             return True, _start(p)
-        taken = imgui.calc_text_size("auto").x + imgui.get_frame_height() + 14
+        taken = imgui.get_frame_height() + 7
+        taken += 0 if p.switch else imgui.calc_text_size("auto").x + 7
         imgui.push_item_width(imgui.calc_item_width() - taken)
         try:
             return self._value(place, p, value)
@@ -94,7 +99,7 @@ class Fields:
             imgui.pop_item_width()
             imgui.same_line(0, 2)
             changed |= one
-        imgui.text(label(p))
+        imgui.text(f"{label(p)} ({p.unit})" if p.unit else label(p))
         return changed, tuple(new)
 
     def _word(

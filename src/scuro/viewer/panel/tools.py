@@ -54,11 +54,14 @@ class Tools:
         from imgui_bundle import imgui
 
         handles, model = self._handles, self.view.model
+        unit = scene_unit(model.scene)
         imgui.push_id(f"plane{index}")
         chosen = handles.chosen == index
         if imgui.selectable(f"plane {index + 1}", chosen)[0]:
             handles.chosen = None if chosen else index
-        moved, point = imgui.drag_float3("point", list(plane.point), 0.1, format="%.2f")
+        moved, point = imgui.drag_float3(
+            f"point ({unit})" if unit else "point", list(plane.point), 0.1, format="%.2f"
+        )
         done = imgui.is_item_deactivated_after_edit()
         turned, normal = imgui.drag_float3("normal", list(plane.normal), 0.01)
         if done or imgui.is_item_deactivated_after_edit():
