@@ -1,29 +1,21 @@
-"""One person's view of the scene: camera, picture, selection. Knows no window and no panel."""
+"""One person's view of the scene: the picture of where they stand. Knows no window and no panel."""
 
 from __future__ import annotations
 
 import logging
 import time
 from collections.abc import Callable, Generator, Iterator
-from dataclasses import replace
-from typing import Any
 
 from scuro.errors import ScuroError
-from scuro.passes.post.stereo import StereoSettings, eye_size
 from scuro.render import Renderer
-from scuro.render_names import SMALLEST_TEXT, text_size
-from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
-from scuro.scene.points import scene_points
 from scuro.scene.projection import Size
-from scuro.scene.view import ViewSettings, view_camera
-from scuro.viewer import navigate
 from scuro.viewer.drawing import Drawing, Drawn
 from scuro.viewer.eyes import Eye, eyes_of
 from scuro.viewer.model import Model
 from scuro.viewer.pacing import GPU_TARGET, SOFTWARE_TARGET, Pacing, moving_size
-from scuro.viewer.pick import Pick
 from scuro.viewer.refine import Step, coarse, plain, steps
+from scuro.viewer.stance import Stance, drawn_size
 
 log = logging.getLogger(__name__)
 
@@ -31,11 +23,9 @@ REST = 0.25
 """Seconds without a change after which the picture is no longer moving."""
 FIRST_SHARE = 0.01
 """How far a rough picture is said to be."""
-SPIN = 30.0
-"""Degrees a second."""
 
 
-class View:
+class View(Stance):
     """Draws a model's scene for one pair of eyes.
 
     Args:
@@ -52,27 +42,11 @@ class View:
         size: tuple[int, int],
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
-        self.model = model
+        super().__init__(model, size)
         self.renderer = renderer
-        self.size = size
-        self.ratio = 1.0
-        """Pixels of the picture to each logical pixel of its screen."""
-        self.foot = 0.0
-        """Share of the picture's height that something covers at its foot."""
         self._clock = clock
         software = renderer.gpu.info.software
         self.pacing = Pacing(SOFTWARE_TARGET if software else GPU_TARGET)
-        self.camera = self.initial_camera()
-        self._place = self._shown_place()
-        self._cameras: dict[Any, Camera] = {}
-        """Where this view stood before what was shown earlier."""
-        self._stereo = model.settings.stereo
-        self.selection: list[Pick] = []
-        self.spinning = False
-        self.profile = "scuro"
-        """What drags do: a name in :data:`scuro.viewer.controls.PROFILES`."""
-        self.windowing = False
-        """Whether dragging sets window and level of a volume."""
         self.share = 0.0
         """How far the picture is refined; 1 when it is the full one."""
         self.drawn: Drawn | None = None
@@ -84,7 +58,6 @@ class View:
         self.changed: Callable[[], None] = lambda: None
         """Called when the picture is out of date, to wake whoever shows it."""
         self._moved = -1e9
-        self._spun = 0.0
         self._rough: Generator[Drawn | float, None, None] | None = None
         self._stale = False
         """Whether the rough picture that is being drawn will be out of date."""
@@ -102,38 +75,6 @@ class View:
         self._prepare()
         self.refresh()
         model.watch(self)
-
-    def initial_camera(self) -> Camera:
-        """As the document says, for this size."""
-        wanted = self.model.document.view
-        camera = view_camera(self.model.scene, wanted, self.aspect)
-        return camera if wanted.position is not None else navigate.raised(camera, self.foot)
-
-    @property
-    def aspect(self) -> float:
-        """Width over height of what an eye sees."""
-        return self._aspect(self.model.settings.stereo)
-
-    def _aspect(self, stereo: StereoSettings) -> float:
-        width, height = eye_size(stereo, _drawn_size(stereo, self.size))
-        return width / height
-
-    def _shown_place(self) -> Any:
-        """What a camera belongs to: what was read, and from where it is first looked at."""
-        return self.model.document.input, self.model.document.view
-
-    def _follow(self) -> None:
-        """Stand before another scene where it was left, or as it says; see as much in stereo."""
-        place, stereo = self._shown_place(), self.model.settings.stereo
-        if place != self._place:
-            self._cameras[self._place] = self.camera
-            known = self._cameras.get(place)
-            self.camera = self.initial_camera() if known is None else known
-        elif stereo.mode != self._stereo.mode:
-            before, after = self._aspect(self._stereo), self._aspect(stereo)
-            points = scene_points(self.model.scene)
-            self.camera = navigate.narrowed(self.camera, before, after, points)
-        self._place, self._stereo = place, stereo
 
     def eyes(self, size: Size) -> tuple[Eye, ...]:
         """Those that the picture is for, in its pixels if it has this size."""
@@ -196,7 +137,7 @@ class View:
         """The model's scene, settings or clipping changed."""
         self.pacing.plain = False
         self.selection = [p for p in self.selection if p.item in self.model.scene.items]
-        self._follow()
+        self.follow()
         if self._rough is not None:
             self._rough.close()  # of what is no more
             self._rough = None
@@ -208,16 +149,6 @@ class View:
         if (size, ratio) != (self.size, self.ratio):
             self.size, self.ratio = size, ratio
             self.stir()
-
-    @property
-    def full_settings(self) -> Settings:
-        """Of the picture that the view comes to rest at; ``scuro render`` makes the same one."""
-        settings = self.model.settings.replace(
-            size=_drawn_size(self.model.settings.stereo, self.size)
-        )
-        if settings.text is None and text_size(settings) < SMALLEST_TEXT * self.ratio:
-            settings = settings.replace(text=SMALLEST_TEXT * self.ratio / settings.px)
-        return self.model.focused(settings, self.camera)
 
     @property
     def moving(self) -> bool:
@@ -268,7 +199,8 @@ class View:
             :attr:`error` says why.
         """
         if self.spinning:
-            self._spin()
+            self.spin(self._clock())
+            self.refresh()
         if self._left:
             return self.drawn
         try:
@@ -316,7 +248,7 @@ class View:
         if self.pacing.plain or self._bare or self._work is not None:
             settings = plain(settings)
         settings = settings.replace(
-            size=_drawn_size(settings.stereo, moving_size(self.size, self.pacing.scale))
+            size=drawn_size(settings.stereo, moving_size(self.size, self.pacing.scale))
         )
         scene = self.model.dressed(self.camera)
         if self._rough is None:
@@ -345,51 +277,3 @@ class View:
             self.drawn, self.share, self._step = made, self._step.share, None
         else:
             self.share = self._before + made * (self._step.share - self._before) * 0.99
-
-    def _spin(self) -> None:
-        now = self._clock()
-        if self._spun:
-            self.camera = self.camera.orbited(SPIN * min(now - self._spun, 0.5), 0)
-        self._spun = now
-        self.refresh()
-
-    def toggle_spin(self) -> None:
-        """Start or stop turning about the vertical."""
-        self.spinning = not self.spinning
-        self._spun = 0.0
-        self.stir()
-
-    def fit(self) -> None:
-        """See all of the scene from the same side."""
-        scene = self.model.scene
-        points = scene_points(scene)
-        bounds = scene.bounds()
-        fitted = navigate.fit(self.camera, bounds, self.aspect, points if len(points) else None)
-        self.move(navigate.raised(fitted, self.foot))
-
-    def select(self, found: Pick | None, add: bool = False) -> None:
-        """Select what was picked, or nothing; with ``add``, besides what is selected."""
-        if found is None:
-            self.selection = self.selection if add else []
-            return
-        again = [p for p in self.selection if p.same_place(found)]
-        if add and again:
-            self.selection.remove(again[0])
-        else:
-            self.selection = [*(self.selection if add else []), found]
-
-    def document(self) -> Any:
-        """The document that makes this view's picture, at this size."""
-        return replace(
-            self.model.as_seen(self.camera),
-            view=ViewSettings.of(self.camera),
-            settings=self.full_settings,
-        )
-
-
-def _drawn_size(stereo: StereoSettings, size: tuple[int, int]) -> tuple[int, int]:
-    """A picture's size: side by side it is an even number of pixels wide."""
-    width, height = size
-    if stereo.mode == "side-by-side":
-        width = max(2, width - width % 2)
-    return width, height
