@@ -6,7 +6,6 @@
 //#include "lights.wgsl"
 
 @group(2) @binding(0) var surface: texture_2d<f32>;
-@group(2) @binding(4) var albedo: texture_2d<f32>;
 @group(2) @binding(12) var<uniform> lights: Lights;
 @group(2) @binding(13) var ids: texture_2d<u32>;
 // 1 = open
@@ -17,13 +16,12 @@
 override HAS_OCCLUSION: bool = false;
 override HAS_SHADOWS: bool = false;
 
-// Light of a pixel, premultiplied by alpha; `texel` is its surface.
-fn shaded(id: vec2u, texel: vec4f) -> vec4f {
+// Light of a pixel, premultiplied by alpha; `texel` is its surface, `base` its linear color.
+fn shaded(id: vec2u, texel: vec4f, base: vec3f) -> vec4f {
     if (texel.w <= 0.0) {
         return vec4f(0.0);
     }
     let pixel = vec2f(id) + 0.5;
-    let base = textureLoad(albedo, id, 0).rgb;
     let object = textureLoad(ids, id, 0).z;
     let position = scene_position(pixel, texel.w);
     let normal = texel.xyz;

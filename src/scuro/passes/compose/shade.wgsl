@@ -3,6 +3,7 @@
 //#include "tiles.wgsl"
 //#include "shaded.wgsl"
 
+@group(2) @binding(1) var albedo: texture_2d<f32>;
 // linear, premultiplied by alpha
 @group(2) @binding(2) var color: texture_storage_2d<rgba16float, write>;
 
@@ -10,6 +11,7 @@
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let id = tile_pixel(group, local);
     if (all(id < textureDimensions(color))) {
-        textureStore(color, id, shaded(id, textureLoad(surface, id, 0)));
+        let base = textureLoad(albedo, id, 0).rgb;
+        textureStore(color, id, shaded(id, textureLoad(surface, id, 0), base));
     }
 }

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from scuro.passes.frame import Frame
+from scuro.passes.post.cues import cues_reach
 
 TILE = 8
 MAX_TILES = 65535
@@ -19,34 +20,40 @@ _RUNS_LIMIT = 128
 """So do they with more bodies than this: each body's clusters take a dispatch of their own."""
 
 
-def find_tiles(frame: Frame, margin: float = 0.0, name: str = "tile") -> None:
+def find_tiles(frame: Frame, name: str = "tile") -> None:
     """Fill ``tile_list`` and ``tile_count`` for :meth:`Frame.compute_tiles`.
+
+    ``near_list`` and ``near_count`` are of the tiles in which depth cues may draw, if there are any
+    that draw beside surfaces.
 
     Args:
         frame: What is drawn; its context, too, once that is.
-        margin: Samples around surfaces in which tiled passes shall draw, too.
         name: Of the buffers, to keep what an earlier call filled for passes already recorded.
     """
     width, height = (-(-s // TILE) for s in frame.size)
     buffer = frame.targets.buffer
-    mask = buffer(f"{name}_mask", 4 * width * height)
-    count = buffer(f"{name}_count", 16, indirect=True)
-    tiles = buffer(f"{name}_list", 4 * width * height)
-    lists = {"tile_mask": mask, "tile_count": count, "tile_list": tiles}
+    reach = cues_reach(frame.settings, frame.px)
+    tiles = 4 * width * height
+    mask = buffer(f"{name}_mask", 2 * tiles if reach else tiles)
+    lists = {"tile_mask": mask}
+    for kind, size in (("tile", tiles), ("near", tiles if reach else 4)):
+        count = buffer(f"{name}_{kind}_count", 16, indirect=True)
+        frame.gpu.write_buffer(count, np.array([0, 1, 1, 0], np.uint32))
+        lists |= {f"{kind}_count": count, f"{kind}_list": buffer(f"{name}_{kind}_list", size)}
     frame.resources |= lists
     frame.recorder.clear_buffer(mask)
-    frame.gpu.write_buffer(count, np.array([0, 1, 1, 0], np.uint32))
 
     def run(drawn: Frame, entry: str, threads: int, **splat: float) -> None:
         uniform = {
             "clusters": 0, "first_cluster": 0, "first_instance": 0, "count": 0,
-            "tiles": (width, height), "margin": 1.0 + margin,
+            "tiles": (width, height), "margins": (1.0, 1.0 + reach),
         } | splat  # fmt: skip
         rows = -(-threads // (64 * 65535))
         drawn.compute(
             "passes/geometry/tiles.wgsl",
             lists | {"splat": uniform},
             entry=entry,
+            constants={"CUES": bool(reach)},
             threads=(-(-threads // rows), rows),
             label="tiles",
         )

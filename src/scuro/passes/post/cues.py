@@ -9,7 +9,6 @@ from typing import Any
 
 from scuro.passes.compose.shade import encoding, light_of
 from scuro.passes.frame import Frame
-from scuro.passes.geometry.tiles import find_tiles
 from scuro.passes.post.borders import THIN, borders_reach, borders_uniform
 from scuro.passes.post.fog import fog_uniform
 from scuro.passes.post.fxaa import asked_for, brightness_of
@@ -43,9 +42,9 @@ def draw_cues(frame: Frame, shading: bool = False) -> None:
     }
     if not shading and not any(on.values()):
         return
-    reach = cues_reach(settings, frame.px)
-    if reach:
-        find_tiles(frame, margin=reach, name="wide_tile")
+    if cues_reach(settings, frame.px):
+        near = {f"tile_{part}": frame.resources[f"near_{part}"] for part in ("list", "count")}
+        frame.resources |= near
     halos = halos_uniform(frame)
     sparse = shading or frame.resources["color"] is frame.sparse
     last = sparse and not settings.depth_of_field.blur

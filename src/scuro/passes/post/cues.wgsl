@@ -12,6 +12,7 @@
 //#include "encoded.wgsl"
 
 @group(2) @binding(1) var color: texture_2d<f32>;
+@group(2) @binding(4) var albedo: texture_2d<f32>;
 @group(2) @binding(2) var replaced: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(9) var picture: texture_storage_2d<rgba8unorm, write>;
 @group(2) @binding(11) var nearest: sampler; // nearest
@@ -29,33 +30,30 @@ override BRIGHTNESS: bool = false;
 // The picture, too.
 override PICTURE: bool = false;
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = tile_pixel(group, local);
-    if (any(pixel >= textureDimensions(replaced))) {
-        return;
+// All of a pixel; `halo` and `line` are its shares of these. They are found first: after shading, more
+// would have to be kept meanwhile than a processor has registers.
+fn draw(pixel: vec2u, texel: vec4f, halo: f32, line: f32) {
+    var base: vec4f;
+    if (SHADING || TOON) {
+        base = textureLoad(albedo, pixel, 0);
     }
-    let texel = textureLoad(surface, pixel, 0);
     var shown: vec4f;
     if (SHADING) {
-        shown = shaded(pixel, texel);
+        shown = shaded(pixel, texel, base.rgb);
     } else {
         shown = textureLoad(color, pixel, 0);
     }
     if (TOON) {
-        shown = toon_color(shown, pixel);
+        shown = toon_color(shown, base);
     }
     if (FOG) {
         shown = mix(shown, fog.color * shown.a, fog_amount(texel.w));
     }
     if (HALOS) {
-        shown = mix(shown, vec4f(halos.color, 1.0), halo_strength(pixel, texel.w));
+        shown = mix(shown, vec4f(halos.color, 1.0), halo);
     }
-    if (LINES) {
-        shown = mix(shown, vec4f(borders.color, 1.0), thin_line(pixel, texel));
-    }
-    if (WIDE_LINES) {
-        shown = mix(shown, vec4f(borders.color, 1.0), wide_line(pixel, texel));
+    if (LINES || WIDE_LINES) {
+        shown = mix(shown, vec4f(borders.color, 1.0), line);
     }
     if (BRIGHTNESS) {
         // cut to what a half keeps of it: where other passes come between, FXAA finds the same edges
@@ -66,4 +64,25 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     if (PICTURE) {
         textureStore(picture, pixel, encoded(shown));
     }
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = tile_pixel(group, local);
+    if (any(pixel >= textureDimensions(replaced))) {
+        return;
+    }
+    let texel = textureLoad(surface, pixel, 0);
+    var halo = 0.0;
+    if (HALOS) {
+        halo = halo_strength(pixel, texel.w);
+    }
+    var line = 0.0;
+    if (LINES) {
+        line = thin_line(pixel, texel);
+    }
+    if (WIDE_LINES) {
+        line = wide_line(pixel, texel);
+    }
+    draw(pixel, texel, halo, line);
 }

@@ -12,8 +12,8 @@ struct Toon {
 // Share of a step over which a tone passes into the next: a hard limit would alias.
 const SOFTNESS: f32 = 0.12;
 
-fn toon_color(shaded: vec4f, pixel: vec2u) -> vec4f {
-    let base = textureLoad(albedo, pixel, 0);
+// `base` is the surface's own color.
+fn toon_color(shaded: vec4f, base: vec4f) -> vec4f {
     let own = luminance(base.rgb);
     // square root: about even steps to the eye
     let tone = sqrt(max(luminance(shaded.rgb), 0.0) / max(own * shaded.a, 1e-4));
