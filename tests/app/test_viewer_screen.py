@@ -291,3 +291,17 @@ def test_what_is_off_is_switched_on_and_units_are_told_of_rows_of_numbers(render
     assert seen == [(False, None), (False, 0.5), (False, (3.0, 4.0, 5.0)), (False, None)]
     assert written == ["x", "cube (Å)", "cube center"]
     screen.close()
+
+
+@pytest.mark.parametrize("background", ["white", "black", "#445566", "transparent"])
+def test_bar_and_axes_stand_out_on_every_background(renderer, background):
+    screen = screen_of(renderer, (480.0, 320.0), background=background)
+    shown = rest(screen).astype(int)
+    ground = shown[3, 3]
+    bar = shown[300:303, 440]
+    assert np.abs(bar - ground).max(axis=-1).min() > 90, "the bar"
+    text = shown[278:297, 340:440]
+    assert (np.abs(text - ground).max(axis=-1) > 90).sum() > 30, "its length"
+    # around the axes the disc is as the background, not a blot on it
+    assert np.abs(shown[320 - 50, 50 - 35] - ground).max() < 140
+    screen.close()

@@ -171,7 +171,9 @@ def test_names_of_atoms_measures_path_and_force_hang_on_their_places(screen, mon
     probe.path[:] = [(first.anchor + n * toward).tolist() for n in (18.0, 20.0, 22.0)]
     probe.target = probe.position + 0.5 * screen.view.camera.view_from_world()[0, :3]
     words, trails, arrows = [], [], []
-    monkeypatch.setattr(overlay, "_text", lambda paper, corner, text: words.append((text, corner)))
+    monkeypatch.setattr(
+        overlay, "_text", lambda paper, corner, text, *inks: words.append((text, corner))
+    )
     monkeypatch.setattr(
         "scuro.viewer.probing._trail", lambda paper, places: trails.append(places.copy())
     )

@@ -101,3 +101,50 @@ def test_a_right_click_takes_a_point_away(screen, hand):
     hand("pointer_up", x, y, 2)
     hand()
     assert [v for v, _ in opacity(screen)] == [0, 0.8, 1]
+
+
+def test_opaque_cells_have_no_opacity_to_drag_and_undo_brings_the_line_back(renderer, monkeypatch):
+    from scuro.scene.cornerpoint_synthetic import faulted_dome
+
+    model = Model(SceneFile(), Scene().add(faulted_dome()))
+    model.change(settings=model.settings.replace(reservoir__show="cells"))
+    screen = Screen(model, renderer, "rgba8unorm", lambda name, write: "")
+    screen.resize(*SIZE, 1.0)
+    target = renderer.gpu.texture(screen.physical, "rgba8unorm", attachment=True, label="screen")
+    found = {}
+    monkeypatch.setattr(
+        transfer_editor,
+        "_paint",
+        lambda paper, subject, corner, width, places, shown: found.update(
+            corner=corner, width=width, places=places
+        ),
+    )
+
+    def send(kind="", x=0.0, y=0.0, button=0):
+        if kind:
+            screen.handle({"event_type": kind, "x": x, "y": y, "button": button, "modifiers": ()})
+        screen.draw(target)
+
+    def drag(x, y):
+        send("pointer_move", x, y)
+        send("pointer_down", x, y, 1)
+        for step in range(1, 4):
+            send("pointer_move", x, y - 10 * step, 1)
+        send("pointer_up", x, y - 30, 1)
+
+    for _ in range(3):
+        send()
+    assert found["places"] == []
+    drag(found["corner"][0] + 0.5 * found["width"], found["corner"][1] + 90)
+    assert model.settings.reservoir.opacity == ""
+    model.change(settings=model.settings.replace(reservoir__show="volume"))
+    send()
+    before = found["places"]
+    assert len(before) > 1
+    drag(*before[2])
+    send()
+    assert found["places"][2][1] < before[2][1] - 20 and model.settings.reservoir.opacity
+    model.undo()
+    send()
+    assert found["places"] == before and model.settings.reservoir.opacity == ""
+    screen.close()

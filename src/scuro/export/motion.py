@@ -51,6 +51,7 @@ class MovieSettings(SettingsGroup):
         "or ten from model to model)",
         low=1,
         high=_LONGEST,
+        unit="frames",
     )
     fps: float = setting(30.0, "frames a second", low=1, high=120)
     swing: float = setting(20.0, "how far rocking goes to each side", low=0, high=180, unit="deg")

@@ -53,5 +53,6 @@ def measures(points: Sequence[ArrayLike], unit: str = "Å") -> list[Measure]:
     if len(used) == 3:
         return [Measure("angle", f"{angle(*used):.1f}°", np.array(used))]
     if len(used) == 4:
-        return [Measure("dihedral", f"{dihedral(*used):.1f}°", np.array(used))]
+        turn = f"{dihedral(*used):.1f}°".replace("-", "−")
+        return [Measure("dihedral", turn, np.array(used))]
     return []

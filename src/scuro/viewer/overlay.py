@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scuro.style.gauges import nice_length, scene_unit
+from scuro.style.gauges import inks, nice_length, scene_unit
 from scuro.style.labels import Label, placed
 from scuro.style.marks import Rect
+from scuro.style.paint import linear_rgba
 from scuro.viewer import navigate
 from scuro.viewer.cube import EDGES
 from scuro.viewer.eyes import Eye, eye_at, pictures
 from scuro.viewer.handles import MOVE, PUSH, ROCK, TILT, Handles
+from scuro.viewer.marks import packed
 from scuro.viewer.measure import Measure, measures
 from scuro.viewer.pick import atom_name
 from scuro.viewer.theme import ACCENT, INK, PAPER
@@ -28,7 +30,8 @@ _AXES = (("x", 0xFF4444E6), ("y", 0xFF44B844), ("z", 0xFFE67844))
 """Colours as ImGui packs them: alpha, blue, green, red."""
 _HANDLE, _EDGE = 0xFFE8E4E0, 0xB0302820
 """Handles are light with a dark rim: seen on every picture."""
-_CROSS_GROUND = 0xB0FFFFFF
+_CROSS_GROUND = 0xB0
+"""Alpha of what lies behind the axis cross."""
 _CROSS = 26.0
 """Pixels from the middle of the axis cross to its tips."""
 _BAR = 120.0
@@ -66,6 +69,7 @@ def draw_flat(view: View, eyes: Sequence[Eye], hover: tuple[str, Size | None]) -
 
     paper = imgui.get_background_draw_list()
     words, pointer = hover
+    ink, ground = inks(linear_rgba(view.model.settings.background))
     over = None if pointer is None else eye_at(eyes, pointer[0])
     for eye in pictures(eyes):
         # where a picture of the view would have its own, these are drawn already
@@ -73,9 +77,10 @@ def draw_flat(view: View, eyes: Sequence[Eye], hover: tuple[str, Size | None]) -
             # as in pictures: above, where the legend has the corner
             legend = view.model.settings.legend
             above = legend.show and legend.corner == "lower left"
-            _cross(paper, view, (eye.start + 50, 50 if above else eye.size[1] - 50))
+            disc = packed((*ground[:3], _CROSS_GROUND))
+            _cross(paper, view, (eye.start + 50, 50 if above else eye.size[1] - 50), disc)
         if not view.model.settings.scale_bar.show:
-            _scale_bar(paper, view, eye)
+            _scale_bar(paper, view, eye, packed(ink), packed((*ground[:3], 230)))
         if view.windowing:
             _text(paper, (eye.start + 14, 12), "window and level: drag; w ends it")
         if words and pointer is not None and over is not None:
@@ -97,12 +102,12 @@ def _hover(paper: Any, pointer: Size, eye: Eye, words: str) -> None:
     _text(paper, (max(x, eye.start + 6), max(y, 4)), words)
 
 
-def _cross(paper: Any, view: View, middle: Size) -> None:
+def _cross(paper: Any, view: View, middle: Size, disc: int) -> None:
     from imgui_bundle import imgui
 
     rows = view.camera.view_from_world()[:3, :3]
     tips = [(rows[:, axis], *_AXES[axis]) for axis in range(3)]
-    paper.add_circle_filled(middle, _CROSS + 14, _CROSS_GROUND, 48)
+    paper.add_circle_filled(middle, _CROSS + 14, disc, 48)
     # the axis that points away is drawn first
     for direction, name, color in sorted(tips, key=lambda tip: tip[0][2]):
         tip = (middle[0] + _CROSS * direction[0], middle[1] - _CROSS * direction[1])
@@ -114,14 +119,14 @@ def _cross(paper: Any, view: View, middle: Size) -> None:
             paper.add_text((x - width / 2, y - height / 2), color, name)
 
 
-def _scale_bar(paper: Any, view: View, eye: Eye) -> None:
+def _scale_bar(paper: Any, view: View, eye: Eye, ink: int, ground: int) -> None:
     pixel = navigate.pixel_size(view.camera, eye.size)
     length, text = nice_length(_BAR * pixel, scene_unit(view.model.scene))
     right, y = eye.start + eye.size[0] - 20, eye.size[1] - 20
     left = right - length / pixel
-    paper.add_rect_filled((left - 1, y - 1), (right + 1, y + 4), PAPER)
-    paper.add_rect_filled((left, y), (right, y + 3), INK)
-    _text(paper, (left, y - 20), text)
+    paper.add_rect_filled((left - 1, y - 1), (right + 1, y + 4), ground)
+    paper.add_rect_filled((left, y), (right, y + 3), ink)
+    _text(paper, (left, y - 20), text, ink, ground)
 
 
 def _labels(
@@ -222,11 +227,11 @@ def arrow(paper: Any, eye: Eye, start: Any, vector: Any, color: int) -> None:
         paper.add_triangle_filled(tuple(b), tuple(b - along + side), tuple(b - along - side), color)
 
 
-def _text(paper: Any, corner: Size, text: str) -> None:
-    """Dark text on a light ground: readable on every picture."""
+def _text(paper: Any, corner: Size, text: str, ink: int = INK, ground: int = PAPER) -> None:
+    """Text on a ground of its own: readable on every picture."""
     from imgui_bundle import imgui
 
     width, height = imgui.calc_text_size(text)
     x, y = corner
-    paper.add_rect_filled((x - 3, y - 2), (x + width + 3, y + height + 2), PAPER, 3.0)
-    paper.add_text((x, y), INK, text)
+    paper.add_rect_filled((x - 3, y - 2), (x + width + 3, y + height + 2), ground, 3.0)
+    paper.add_text((x, y), ink, text)

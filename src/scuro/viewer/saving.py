@@ -45,7 +45,9 @@ class PictureSettings(SettingsGroup):
     """Pictures from the panel."""
 
     name: str = setting("scuro.png", "file name: .png, .tif, .exr, .jpg or .webp")
-    scale: float = setting(1.0, "size in relation to what is on the screen", low=0.1, high=16)
+    scale: float = setting(
+        1.0, "size in relation to what is on the screen", low=0.1, high=16, unit="×"
+    )
     bits: str = setting("8", "per channel, in PNG and TIFF", choices=("8", "16"))
 
 
@@ -53,7 +55,9 @@ class FilmSettings(SettingsGroup):
     """Films from the panel."""
 
     name: str = setting("scuro.gif", "file name: .gif, .mp4 or .webm")
-    scale: float = setting(1.0, "size in relation to what is on the screen", low=0.1, high=8)
+    scale: float = setting(
+        1.0, "size in relation to what is on the screen", low=0.1, high=8, unit="×"
+    )
 
 
 class Saving:

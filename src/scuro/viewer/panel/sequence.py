@@ -85,6 +85,7 @@ class SequenceStrip:
                 self._line(item, letters, row * _ROW)
         imgui.pop_style_color()
         imgui.pop_style_var(2)
+        imgui.spacing()
 
     def _line(self, item: MoleculeItem, letters: list[tuple[str, int, int]], first: int) -> None:
         """The number of a line's first residue, and its letters, each in a cell of its own."""

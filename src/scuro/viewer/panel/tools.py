@@ -104,7 +104,8 @@ class Tools:
             imgui.bullet()
             words(sentence(found))
         if not self.view.selection:
-            imgui.text_disabled("click an atom; Shift+click adds")
+            thing = "a cell" if scene.reservoirs else "an atom"
+            imgui.text_disabled(f"click {thing}; Shift+click adds")
             return
         for said in measures(
             [p.anchor for p in self.view.selection], scene_unit(self.view.model.scene)

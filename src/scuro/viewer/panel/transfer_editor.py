@@ -27,6 +27,7 @@ _BINS = 64
 _GROUND, _LINE, _POINT, _RIM = 0xFF1E1A18, 0xFFFFFFFF, 0xFF2A90FF, 0xFF201A16
 _BRIEF = "drag points"
 _HELP = "drag a point; double click adds one, right click removes it"
+_OPAQUE = "cells and slices are opaque: opacity comes with show volume"
 _COLORMAPS = (
     "auto", "gray", "viridis", "magma", "inferno", "plasma", "cividis", "turbo", "jet", "hot",
     "bone", "coolwarm", "RdBu", "Spectral", "terrain", "YlGnBu",
@@ -45,6 +46,10 @@ class _Subject:
     counts: NDArray
     """(64,) values in each bin of the range."""
     transfer: TransferFunction
+    title: str = ""
+    """The property and its unit."""
+    opaque: bool = False
+    """Whether it is shown without opacity: as cells or slices."""
 
 
 class TransferEditor:
@@ -88,7 +93,11 @@ class TransferEditor:
         reservoir = scene.reservoirs[0]
         low, high = property_range(reservoir.grid, reservoir.shown_property)
         counts = _counts(reservoir, reservoir.shown_property, reservoir.settings.time, low, high)
-        return _Subject("reservoir", low, high, counts, item_transfer(reservoir))
+        name = reservoir.shown_property
+        unit = reservoir.grid.property_unit(name)
+        title = f"{name} ({unit})" if unit else name
+        opaque = reservoir.show != "volume"
+        return _Subject("reservoir", low, high, counts, item_transfer(reservoir), title, opaque)
 
     # --- the graph ---------------------------------------------------------------------------
 
@@ -103,12 +112,14 @@ class TransferEditor:
         mouse_x, mouse_y = imgui.get_mouse_pos()
         value = low + min(max((mouse_x - x0) / width, 0.0), 1.0) * span
         opacity = min(max(1 - (mouse_y - y0) / _HEIGHT, 0.0), 1.0)
-        points = [list(p) for p in subject.transfer.opacities]
+        points = [list(p) for p in subject.transfer.opacities] if not subject.opaque else []
         places = [(x0 + (v - low) / span * width, y0 + (1 - a) * _HEIGHT) for v, a in points]
         near = _nearest(places, mouse_x, mouse_y)
         shown = self._held if active else near if hovered else None
         _paint(imgui.get_window_draw_list(), subject, (x0, y0), width, places, shown)
-        if hovered and imgui.is_mouse_double_clicked(0) and near is None:
+        if subject.opaque:
+            self._held = None  # colours alone: nothing to drag
+        elif hovered and imgui.is_mouse_double_clicked(0) and near is None:
             self._set(subject, sorted([*points, [value, opacity]]), None)
         elif hovered and imgui.is_mouse_clicked(1) and near is not None and len(points) > 1:
             self._set(subject, points[:near] + points[near + 1 :], None)
@@ -123,16 +134,18 @@ class TransferEditor:
         elif not active and self._held is not None:
             self._held = None
             self.view.model.history.end_gesture()
+        help = _OPAQUE if subject.opaque else _HELP
         imgui.text_disabled(f"{subject.low:.4g}")
-        imgui.set_item_tooltip(_HELP)
+        imgui.set_item_tooltip(help)
+        brief = subject.title or _BRIEF
         if hovered or active:  # not beside the pointer: that would hide what is edited
-            text = f"{value:.4g}: opacity {opacity:.2f}"
+            text = f"{value:.4g}" if subject.opaque else f"{value:.4g}: opacity {opacity:.2f}"
             imgui.same_line((width - imgui.calc_text_size(text).x) / 2)
             imgui.text(text)
         else:
-            imgui.same_line((width - imgui.calc_text_size(_BRIEF).x) / 2)
-            imgui.text_disabled(_BRIEF)
-            imgui.set_item_tooltip(_HELP)
+            imgui.same_line((width - imgui.calc_text_size(brief).x) / 2)
+            imgui.text_disabled(brief)
+            imgui.set_item_tooltip(help)
         text = f"{subject.high:.4g}"
         imgui.same_line(width - imgui.calc_text_size(text).x)
         imgui.text_disabled(text)
@@ -227,6 +240,8 @@ def _paint(
 
 
 def _nearest(places: list[tuple[float, float]], x: float, y: float) -> int | None:
+    if not places:
+        return None
     away = [abs(px - x) + abs(py - y) for px, py in places]
     nearest = int(np.argmin(away))
     return nearest if away[nearest] <= _REACH else None
