@@ -184,14 +184,14 @@ def test_names_of_atoms_measures_path_and_force_hang_on_their_places(screen, mon
     eyes = screen.view.eyes(SIZE)
     assert [number for number, _ in arrows] == [-1, 1]
     for eye in eyes:  # the arrow itself: from root to tip
-        lines = []
+        drawn = []
         paper = SimpleNamespace(
-            add_line=lambda a, b, *ink: lines.append((*a, *b)),  # noqa: B023
-            add_triangle_filled=lambda *rest: None,
+            add_line=lambda a, b, *ink: drawn.append(a),  # noqa: B023
+            add_triangle_filled=lambda tip, *rest: drawn.append(tip),  # noqa: B023
         )
-        draw_arrow(paper, eye, first.anchor, toward, 0)
-        ends = eye.project([first.anchor, first.anchor + toward])[:, :2]
-        assert lines == [pytest.approx(ends.ravel().tolist())]
+        draw_arrow(paper, eye, first.anchor, 6 * toward + 3, 0)
+        ends = eye.project([first.anchor, first.anchor + 6 * toward + 3])[:, :2]
+        assert drawn[-2:] == [pytest.approx(end) for end in ends.tolist()]
     for eye, places in zip(eyes, trails, strict=True):
         assert places == pytest.approx(eye.project(probe.path))
     by_text = {text: [corner for t, corner in words if t == text] for text, _ in words}

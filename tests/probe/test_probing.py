@@ -1,6 +1,7 @@
 """The probe in the viewer: keys, light, clip plane, path, and the stream for other programs."""
 
 import asyncio
+import itertools
 import json
 import time
 from dataclasses import replace
@@ -19,7 +20,7 @@ from scuro.scene.scene import Scene
 from scuro.viewer.controls import Controls
 from scuro.viewer.handles import Handles
 from scuro.viewer.model import Model
-from scuro.viewer.navigate import project
+from scuro.viewer.navigate import pixel_size, project
 from scuro.viewer.probing import Probing, stream_handler
 from scuro.viewer.view import View
 
@@ -173,6 +174,21 @@ def test_a_saved_path_is_drawn_where_it_went_and_replayed(probing, tmp_path, ren
     model.set_probe(ProbeSettings(), model.middle)
     probing.replay()
     assert probing.replaying and len(probing.path) == len(item.track.points)
+
+
+def test_the_arrow_grows_with_the_force_and_stays_in_the_picture(probing):
+    probe = probing.probe
+    _, eye = seen(probing)
+    depth = eye.project([probe.position])[0, 2]
+    lengths = []
+    for push in (0.01, 0.1, 1.0, 10.0, 1000.0):
+        probe.target = probe.position + np.array([push, 0, 0])
+        arrow = probing._arrow(eye, depth)
+        assert arrow[0] < 0 and not arrow[1:].any(), "it shows the way back"
+        lengths.append(-arrow[0] / pixel_size(eye.camera, eye.size, depth))
+    assert lengths[0] == pytest.approx(lengths[1] / 10, rel=0.05)
+    assert all(a < b for a, b in itertools.pairwise(lengths[:4]))
+    assert 100 < lengths[-1] <= 110
 
 
 def test_a_replay_can_be_left(probing):

@@ -213,18 +213,22 @@ def _handles(paper: Any, handles: Handles, eye: Eye) -> None:
 
 
 def arrow(paper: Any, eye: Eye, start: Any, vector: Any, color: int) -> None:
-    """An arrow from a world point along a world vector, as an eye sees it."""
+    """An arrow with a light rim from a world point along a world vector, as an eye sees it."""
     places = eye.project([start, np.add(start, vector)])
     if not (places[:, 2] > 0).all():
         return
     a, b = places[:, :2]
-    paper.add_line(tuple(a), tuple(b), color, 3.0)
-    along = b - a
-    length = float(np.hypot(*along))
-    if length > 1:
-        along = along / length * min(10.0, length / 2)
-        side = np.array([-along[1], along[0]]) * 0.5
-        paper.add_triangle_filled(tuple(b), tuple(b - along + side), tuple(b - along - side), color)
+    length = float(np.hypot(*(b - a)))
+    if length <= 1:
+        return
+    along = (b - a) / length
+    side = np.array([-along[1], along[0]])
+    for ink, rim in ((_HANDLE, 1.5), (color, 0.0)):
+        head = min(10.0, length / 2) + 2 * rim
+        tip, foot = b + 2 * rim * along, b + (2 * rim - head) * along
+        wide = (0.5 * head + rim) * side
+        paper.add_line(tuple(a), tuple(foot), ink, 3.0 + 2 * rim)
+        paper.add_triangle_filled(tuple(tip), tuple(foot + wide), tuple(foot - wide), ink)
 
 
 def _text(paper: Any, corner: Size, text: str, ink: int = INK, ground: int = PAPER) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -26,6 +27,8 @@ REPLAY = 30.0
 """Places of a recorded path that are shown a second."""
 _FORCE = 4.0
 """Å an arrow has for each Å of penetration (at a stiffness of one)."""
+_LONGEST = 110.0
+"""Pixels of an arrow, however strong the force."""
 _BALL, _SHINE, _RIM = 0x70D09040, 0x24FFE8D0, 0xFF703818
 _HAND, _ARROW, _PATH, _RIM_OF_PATH = 0xFF2020C0, 0xFF2020E0, 0xFFB06020, 0xC8F4EEE8
 _KEYS = {
@@ -209,7 +212,16 @@ class Probing:
         _ball(paper, (x, y), radius)
         if (probe.force != 0).any() and hand[2] > 0:
             paper.add_circle_filled((hand[0], hand[1]), 3.0, _HAND)
-            arrow(paper, eye, probe.position, _FORCE * probe.force, _ARROW)
+            arrow(paper, eye, probe.position, self._arrow(eye, depth), _ARROW)
+
+    def _arrow(self, eye: Eye, depth: float) -> NDArray[np.float64]:
+        """(3,) Å along the force: in proportion to a small one, and never out of the picture."""
+        assert self.probe is not None
+        force = _FORCE * self.probe.force
+        length = float(np.linalg.norm(force))
+        most = _LONGEST * navigate.pixel_size(eye.camera, eye.size, depth)
+        shown: NDArray[np.float64] = force * (most * math.tanh(length / most) / length)
+        return shown
 
 
 def _trail(paper: Any, places: NDArray[np.float64]) -> None:
