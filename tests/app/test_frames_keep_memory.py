@@ -1,14 +1,21 @@
 """Frames leave no memory behind, as those of lavapipe may (docs/decisions.md, Viewer)."""
 
+import ctypes
 import gc
+import weakref
 
 import pytest
 
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.gpu.program import Programs
-from scuro.measure.memory import held
+from scuro.heap import give_back, held
+from scuro.measure.memory import resident_mb
+from scuro.passes.frame import TargetPool
+from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.clip import Clip, Plane
+from scuro.viewer.model import Model
+from scuro.viewer.view import REST, View
 
 MOST = 150.0
 """kB a frame: such a loss is 200 kB a dispatch, the caches of uniforms that still fill some 30."""
@@ -20,7 +27,7 @@ def used():
     pieces = held()
     if not pieces:
         pytest.skip("needs mallinfo2 of the GNU C library")
-    return 1024 * sum(pieces.values())
+    return 1024 * (pieces["small pieces, MB"] + pieces["large pieces, MB"])
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +62,59 @@ def test_drawing_all_kinds_of_primitives_keeps_memory(renderer):
     scene = SceneFile(input=(Input(path="sample:1hpv"),), show=show).scene()
     settings = Settings(size=(64, 48), visibility="raster").replace(lighting__preset="simple")
     _check(renderer, scene, settings, False)
+
+
+def test_a_fine_picture_leaves_its_blocks_of_memory_behind(clock):
+    used()
+    before = held()["large pieces, MB"]
+    model = Model(SceneFile(input=(Input(path="sample:1hpv"),)))
+    view = View(model, Renderer(), (480, 270), clock)  # whose blocks no other test has filled
+    for method in ("fxaa", "4x", "fxaa"):
+        model.change(settings=model.settings.replace(antialias__method=method))
+        for _ in range(2):
+            clock.now += 2 * REST
+            while not view.complete:
+                view.draw()
+            view.move(view.camera.orbited(3, 1))
+            while view.share == 0:
+                view.draw()
+        if method == "4x":
+            assert held()["large pieces, MB"] - before > 250
+    # that with the scene's tables, and the newest, which the picture is now in
+    assert held()["large pieces, MB"] - before < 200
+
+
+def test_frames_of_another_size_find_an_empty_pool(renderer):
+    gpu = renderer.gpu
+    pool = TargetPool(gpu)
+    pool.begin((32, 32))
+    gone = [pool.get("a", (32, 32), "r32float"), pool.buffer("b", 64)]
+    inner = pool.table("layer", 0, lambda: TargetPool(gpu))
+    gone.append(inner.get("c", (32, 32), "r32float"))
+    known = pool.get("known", (32, 32), "r32float", lasting=True)
+    refs = [weakref.ref(thing) for thing in gone]
+    assert pool.bytes == 3 * 4 * 32 * 32
+    pool.begin((32, 32))
+    assert pool.get("a", (32, 32), "r32float") is gone[0]
+    gone.clear()
+    pool.begin((16, 16))
+    assert not any(ref() for ref in refs)
+    assert pool.get("known", (32, 32), "r32float", lasting=True) is known
+
+
+def test_free_pieces_are_given_back():
+    used()
+    library = ctypes.CDLL(None)
+    library.malloc.restype = ctypes.c_void_p
+    pieces = [library.malloc(100_000) for _ in range(500)]
+    for piece in pieces:
+        ctypes.memset(piece, 1, 100_000)
+    for piece in pieces[:-1]:  # the last keeps the heap from shrinking by itself
+        library.free(ctypes.c_void_p(piece))
+    before = resident_mb()
+    give_back()
+    assert resident_mb() < before - 30
+    library.free(ctypes.c_void_p(pieces[-1]))
 
 
 def _check(renderer, scene, settings, cut):

@@ -102,6 +102,16 @@ def test_a_moving_picture_is_smaller_and_a_resting_one_is_what_render_makes(view
     assert (pixels(view) == expected.pixels).all()
 
 
+def test_a_picture_that_is_complete_gives_memory_back_once(view, clock, monkeypatch):
+    given = []
+    monkeypatch.setattr("scuro.viewer.view.give_back", lambda: given.append(view.share))
+    for _ in range(2):
+        rest(view, clock)
+        view.draw()
+        view.move(view.camera.orbited(5, 0))
+    assert given == [1.0, 1.0]
+
+
 def test_refinement_multiplies_samples_and_ends_with_the_settings_themselves():
     settings = Settings().replace(occlusion__technique="ray", occlusion__samples=100)
     made = list(steps(settings))

@@ -254,6 +254,14 @@ class Gpu:
         recorder.compute(shader, entry, threads, resources, constants)
         recorder.submit()
 
+    def release(self) -> None:
+        """Free what nobody holds any more, and the uniforms that were kept.
+
+        Memory is taken in blocks of some 100 MB, which a single small buffer keeps.
+        """
+        self._uniforms.clear()
+        self.finish()
+
     def finish(self) -> None:
         """Wait until everything submitted is done.
 

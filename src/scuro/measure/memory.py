@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import sys
 
 
@@ -21,30 +20,3 @@ def resident_mb() -> float:
     import psutil
 
     return float(psutil.Process().memory_info().rss / (1 << 20))
-
-
-class _Heap(ctypes.Structure):
-    """struct mallinfo2 of the GNU C library."""
-
-    _fields_ = [
-        (name, ctypes.c_size_t)
-        for name in (
-            "arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks",
-            "fordblks", "keepcost",
-        )
-    ]  # fmt: skip
-
-
-def held() -> dict[str, float]:
-    """MB that malloc has given out and not got back, in small pieces and in large ones.
-
-    Empty where the C library does not tell.
-    """
-    try:
-        mallinfo2 = ctypes.CDLL("libc.so.6").mallinfo2
-    except (OSError, AttributeError):
-        return {}
-    mallinfo2.restype = _Heap
-    heap = mallinfo2()
-    mb = 1 << 20
-    return {"small pieces, MB": heap.uordblks / mb, "large pieces, MB": heap.hblkhd / mb}

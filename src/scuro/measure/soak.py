@@ -11,7 +11,8 @@ from typing import Any
 
 from scuro.errors import ScuroError
 from scuro.export.scene_file import SceneFile
-from scuro.measure.memory import held, resident_mb
+from scuro.heap import held
+from scuro.measure.memory import resident_mb
 from scuro.measure.soak_tour import tour
 from scuro.viewer.screen import Screen
 

@@ -52,6 +52,8 @@ def begun(
         jitter=jitter,
         seed=settings.seed,
     )
+    size = (scale * part.size[0], scale * part.size[1])
+    targets.begin(size)
     return Frame(
         gpu,
         gpu.recorder(),
@@ -59,7 +61,7 @@ def begun(
         accelerator,
         camera,
         settings,
-        (scale * part.size[0], scale * part.size[1]),
+        size,
         {
             **resources,
             "scene": resources["scene"] | detail,

@@ -25,14 +25,50 @@ class TargetPool:
 
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
+        self._size: tuple[int, int] | None = None
         self._held: dict[str, tuple[tuple, Any]] = {}
+        self._lasting: set[str] = set()
         self.frame: Frame | None = None
         """The last frame that drew into these textures: what they hold is its."""
         self._buffers: dict[str, tuple[tuple, Any]] = {}
         self._tables: dict[str, tuple[Any, Any]] = {}
 
-    def get(self, name: str, size: Sequence[int], format: str, attachment: bool = False) -> Any:
-        """The texture of that name, made anew if size or format changed."""
+    def begin(self, size: tuple[int, int]) -> None:
+        """A frame of this size begins: free the textures that one of another size left.
+
+        Made anew one by one, small ones would settle in the gaps between large ones, and keep the
+        blocks of memory that those were in. What the frame does not use would stay for ever.
+        """
+        if size == self._size:
+            return
+        self._size, self.frame = size, None
+        if self._clear():
+            self._gpu.release()
+
+    def _clear(self) -> bool:
+        """Forget all but what has to last; says whether there was anything."""
+        forgotten = self._held.keys() - self._lasting
+        for name in forgotten:
+            del self._held[name]
+        self._buffers.clear()
+        pools = [value for _, value in self._tables.values() if isinstance(value, TargetPool)]
+        inner = [pool._clear() for pool in pools]
+        return bool(forgotten) or any(inner)
+
+    def get(
+        self,
+        name: str,
+        size: Sequence[int],
+        format: str,
+        attachment: bool = False,
+        lasting: bool = False,
+    ) -> Any:
+        """The texture of that name, made anew if size or format changed.
+
+        A ``lasting`` one outlives frames of other sizes.
+        """
+        if lasting:
+            self._lasting.add(name)
         key = (*size, format, attachment)
         held = self._held.get(name)
         if held is None or held[0] != key:
@@ -60,12 +96,14 @@ class TargetPool:
 
     @property
     def bytes(self) -> int:
-        """GPU memory held by textures."""
+        """GPU memory held by textures, those of pools within it too."""
         texel = {"r32float": 4, "rg32float": 8, "rgba8unorm": 4, "depth32float": 4, "r32uint": 4}
-        return sum(
+        own = sum(
             int(np.prod(key[:-2])) * texel.get(key[-2], 16 if "32" in key[-2] else 8)
             for key, _ in self._held.values()
         )
+        pools = (value for _, value in self._tables.values() if isinstance(value, TargetPool))
+        return own + sum(pool.bytes for pool in pools)
 
 
 @dataclass(eq=False)

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Generator, Iterator
 
 from scuro.errors import ScuroError
+from scuro.heap import give_back
 from scuro.render import Renderer
 from scuro.scene.camera import Camera
 from scuro.scene.projection import Size
@@ -203,6 +204,7 @@ class View(Stance):
             self.refresh()
         if self._left:
             return self.drawn
+        rested = self.complete
         try:
             if self._work is not None:
                 self._build_on()
@@ -218,6 +220,8 @@ class View(Stance):
             self._give_up(
                 f"a fault of scuro itself ({type(error).__name__}: {error}): undo the last change"
             )
+        if self.complete and not rested:
+            give_back()
         return self.drawn
 
     def _give_up(self, why: str) -> None:

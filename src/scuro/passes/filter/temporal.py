@@ -127,11 +127,11 @@ class History:
 
 
 def _known(frame: Frame, signal: str, turn: int) -> Any:
-    return frame.targets.get(f"{signal} known {turn}", frame.size, "rgba32float", True)
+    return frame.targets.get(f"{signal} known {turn}", frame.size, "rgba32float", True, True)
 
 
 def _surface_before(frame: Frame) -> Any:
-    return frame.targets.get("surface before", frame.size, "rgba32float", True)
+    return frame.targets.get("surface before", frame.size, "rgba32float", True, True)
 
 
 _CAMERA = ("view_from_scene", "half_extent", "orthographic", "jitter")

@@ -71,7 +71,9 @@ def smoothed(
 
 def _average(frame: Frame, calm: dict[str, Any], name: str, frames: int) -> None:
     before, mean = (
-        frame.targets.get(f"{name} mean {(frames + k) % 2}", frame.size, "rgba32float")
+        frame.targets.get(
+            f"{name} mean {(frames + k) % 2}", frame.size, "rgba32float", lasting=True
+        )
         for k in (1, 0)
     )
     frame.compute_tiles(
