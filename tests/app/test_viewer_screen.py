@@ -305,3 +305,35 @@ def test_bar_and_axes_stand_out_on_every_background(renderer, background):
     # around the axes the disc is as the background, not a blot on it
     assert np.abs(shown[320 - 50, 50 - 35] - ground).max() < 140
     screen.close()
+
+
+def test_the_panel_tells_lengths_in_the_scenes_unit_and_leaves_out_what_it_has_not(
+    renderer, monkeypatch
+):
+    from imgui_bundle import imgui
+
+    from scuro.scene.scene import Scene
+    from scuro.scene.volume import Volume
+    from scuro.viewer.screen import Screen
+
+    model = Model(SceneFile(), Scene().add(Volume(np.zeros((8, 8, 8), np.float32), unit="mm")))
+    screen = Screen(model, renderer, "rgba8unorm", lambda name, write: name)
+    screen.resize(900.0, 600.0, 1.0)
+    screen.handles.add_plane()
+    screen.handles.toggle_cube("none")
+    written = []
+    for kind in ("text", "drag_float3", "input_text", "checkbox", "button"):
+        real = getattr(imgui, kind)
+
+        def spy(title, *rest, real=real, **more):
+            written.append(title)
+            return real(title, *rest, **more)
+
+        monkeypatch.setattr(imgui, kind, spy)
+    monkeypatch.setattr(screen.panel, "_tabs", {"Tools": screen.panel._tabs["Tools"]})
+    for _ in range(2):
+        written.clear()
+        screen.draw(screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True))
+    assert {"point (mm)", "cube (mm)", "cube turn (deg)", "Box"} <= set(written)
+    assert not {"spare", "whole atoms", "Navigation cube"} & set(written)
+    screen.close()

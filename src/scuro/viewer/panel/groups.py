@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from scuro.errors import ScuroError
 from scuro.settings import SettingsGroup, parameters, subgroups
+from scuro.style.gauges import scene_unit
 from scuro.viewer.panel.fields import Fields, label_of
 from scuro.viewer.view import View
 
@@ -46,10 +48,12 @@ class Groups:
         """Controls of the settings that lie directly in a group."""
         from imgui_bundle import imgui
 
-        changed = False
+        changed, unit = False, scene_unit(self.view.model.scene)
         for p in parameters(type(group)):
             if p.name in without:
                 continue
+            if p.unit == "Å":  # of whatever is not measured in it, too
+                p = replace(p, unit=unit)
             one, value = self.fields.edit(f"{place}.{p.name}", p, getattr(group, p.name))
             if one:
                 try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from scuro.scene.clip import Plane
 from scuro.style.gauges import scene_unit
+from scuro.viewer import navigate
 from scuro.viewer.controls import KEYS, PROFILES
 from scuro.viewer.handles import Handles
 from scuro.viewer.measure import measures
@@ -29,6 +30,12 @@ class Tools:
             return
         handles, model = self._handles, self.view.model
         has_cube = model.document.clipping.cube is not None
+        has_atoms = bool(model.scene.molecules)
+        cube = (
+            "Navigation cube",
+            "The rest shows as a backbone (key n)",
+            None if has_cube else lambda: handles.toggle_cube("backbone"),
+        )
         buttons(
             ("Plane", "A plane through the middle (key c)", handles.add_plane),
             (
@@ -36,16 +43,18 @@ class Tools:
                 "Show only what is in a box (key b)",
                 None if has_cube else lambda: handles.toggle_cube("none"),
             ),
-            (
-                "Navigation cube",
-                "The rest shows as a backbone (key n)",
-                None if has_cube else lambda: handles.toggle_cube("backbone"),
-            ),
+            *((cube,) if has_atoms else ()),
         )
         _, handles.shown = imgui.checkbox("handles in the picture", handles.shown)
         for index, plane in enumerate(handles.planes):
             self._plane(index, plane)
-        hidden = () if has_cube else ("cube", "cube_center", "cube_turn", "cube_rest")
+        hidden: tuple[str, ...] = () if has_cube else ("cube", "cube_center", "cube_turn")
+        if not (has_cube and has_atoms):
+            hidden += ("cube_rest",)
+        if not has_atoms:
+            hidden += ("spare",)
+        if len(model.scene.items) == len(model.scene.volumes) + len(model.scene.reservoirs):
+            hidden += ("whole_atoms",)
         changed, clipping = self._groups.group("clipping", model.document.clipping, hidden)
         if changed:
             model.change("clipping", clipping=clipping)
@@ -59,9 +68,10 @@ class Tools:
         chosen = handles.chosen == index
         if imgui.selectable(f"plane {index + 1}", chosen)[0]:
             handles.chosen = None if chosen else index
-        moved, point = imgui.drag_float3(
-            f"point ({unit})" if unit else "point", list(plane.point), 0.1, format="%.2f"
-        )
+        # a pixel of the hand's way is one of the picture, whatever the scene's size
+        speed = navigate.pixel_size(self.view.camera, self.view.size) * self.view.ratio
+        label = f"point ({unit})" if unit else "point"
+        moved, point = imgui.drag_float3(label, list(plane.point), speed, format="%.2f")
         done = imgui.is_item_deactivated_after_edit()
         turned, normal = imgui.drag_float3("normal", list(plane.normal), 0.01)
         if done or imgui.is_item_deactivated_after_edit():
