@@ -164,7 +164,6 @@ def test_side_by_side_shows_all_that_was_seen_and_one_eye_as_it_was(renderer, he
     from dataclasses import replace
 
     from scuro.scene.points import scene_points
-    from scuro.viewer import navigate
 
     screen = screen_of(renderer, (560.0, 400.0))
     view, model = screen.view, screen.model
@@ -173,8 +172,10 @@ def test_side_by_side_shows_all_that_was_seen_and_one_eye_as_it_was(renderer, he
     view.fit()
     before = view.camera
     model.change(settings=model.settings.replace(stereo__mode="side-by-side"))
-    x = navigate.project(view.camera, points, (280.0, 400.0))[:, 0]
-    assert x.min() > 0 and x.max() < 280 and np.ptp(x) > 200
+    rest(screen)
+    for eye in view.eyes((560.0, 400.0)):
+        x = eye.project(points)[:, 0] - eye.start
+        assert x.min() > 0 and x.max() < 280 and np.ptp(x) > 190
     model.undo()
     assert view.camera.position == pytest.approx(before.position)
     assert view.camera.height == pytest.approx(before.height)

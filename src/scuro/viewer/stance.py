@@ -17,6 +17,8 @@ from scuro.viewer.pick import Pick
 
 SPIN = 30.0
 """Degrees a second."""
+_PARALLAX = 0.08
+"""Share of an eye's picture side by side that is left free for it."""
 
 
 class Stance:
@@ -62,6 +64,11 @@ class Stance:
         width, height = eye_size(stereo, drawn_size(stereo, self.size))
         return width / height
 
+    def _roomy(self, stereo: StereoSettings) -> float:
+        """The same, with room at the sides for what parallax shifts."""
+        beside = stereo.mode == "side-by-side"
+        return self._aspect(stereo) * (1 - _PARALLAX if beside else 1.0)
+
     def _shown_place(self) -> Any:
         """What a camera belongs to: what was read, and from where it is first looked at."""
         return self.model.document.input, self.model.document.view
@@ -74,7 +81,7 @@ class Stance:
             known = self._cameras.get(place)
             self.camera = self.initial_camera() if known is None else known
         elif stereo.mode != self._stereo.mode:
-            before, after = self._aspect(self._stereo), self._aspect(stereo)
+            before, after = self._roomy(self._stereo), self._roomy(stereo)
             points = scene_points(self.model.scene)
             self.camera = navigate.narrowed(self.camera, before, after, points)
         self._place, self._stereo = place, stereo
@@ -113,7 +120,8 @@ class Stance:
         scene = self.model.scene
         points = scene_points(scene)
         bounds = scene.bounds()
-        fitted = navigate.fit(self.camera, bounds, self.aspect, points if len(points) else None)
+        aspect = self._roomy(self.model.settings.stereo)
+        fitted = navigate.fit(self.camera, bounds, aspect, points if len(points) else None)
         self.move(navigate.raised(fitted, self.foot))
 
     def select(self, found: Pick | None, add: bool = False) -> None:
