@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import draw, floor, scene_of, spheres
+from scenes import draw, floor, renderer, scene_of, spheres
+from scipy.ndimage import binary_dilation, binary_erosion
 
 from scuro import Camera, Clip, Plane
 from scuro.app.cli import run
@@ -56,16 +57,21 @@ def test_context_leaves_no_trace_and_nothing_darkens_it(name):
     with_context = draw(roofed(context=True), CAMERA, **changes)
     here = with_context.buffer("object") == 2
     assert 500 < here.sum() < here.size - 3000
-    # edges that the path tracer smooths, where context lies behind them
-    beside = ~here & (without[..., 3] == 1)
+    # the path tracer smooths edges, of the scene over context, too
+    traced = changes.get("renderer") == "path"
+    near = binary_dilation(here, np.ones((3, 3))) if traced else here
+    beside = ~near & (without[..., 3] == 1)
     assert np.array_equal(with_context.buffer("linear")[beside], without[beside])
+    here = binary_erosion(here, np.ones((3, 3))) if traced else here
     light = with_context.buffer("linear")[here]
     for buffer in ("visibility", "shadow"):
         if name.startswith(("occlusion", "shadows")) and buffer in with_context.buffers():
             assert (with_context.buffer(buffer)[here] == 1).all()
     roof = scene_of(spheres(*ROOF))
     lone = draw(roof, CAMERA, **PLAIN).buffer("linear")[here]
-    assert np.abs(light - lone).mean() < 2e-3
+    off = light - lone
+    # means over pixels differ from their middles, to both sides
+    assert (abs(off.mean()) if traced else np.abs(off).mean()) < 2e-3
 
 
 def test_context_is_numbered_after_all_else():
@@ -100,6 +106,35 @@ def test_edges_stay_smooth_over_context_in_traced_paths():
     # covered by less than a half, their middle misses the ball
     assert ((green > 0.55) & (green < 0.95) & ~ours).sum() > 20
     assert ((green > 0.05) & (green < 0.45) & ours).sum() > 20
+
+
+def test_edges_of_context_are_as_smooth_as_traced_paths():
+    ball = replace(spheres((0, 0, 0, 2), color=(255, 0, 0, 255)), context=True)
+    above = Camera((0, 0, 30), (0, 0, 0), (0, 1, 0), height=9)
+    lighting = Lighting((), ambient=1.0)
+    way = {"renderer": "path", "path__samples": 16, "background": "black"}
+    traced = draw(scene_of(replace(ball, context=False), lighting=lighting), above, **way)
+    truth = traced.buffer("linear")[..., 0].copy()
+    edge = (truth > 0.02) & (truth < 0.98)
+    assert edge.sum() > 50
+    for wall in (), (floor(-3, half=60, color=(0, 0, 0, 255)),):
+        image = draw(scene_of(ball, *wall, lighting=lighting), above, **way)
+        found = image.buffer("linear")[..., 0]
+        # sixteen random places in a pixel tell how far it is covered to about 0.1
+        assert np.abs(found - truth).max() < 0.3
+        assert np.sqrt(np.mean((found - truth)[edge] ** 2)) < 0.1
+
+
+def test_smooth_context_goes_on_from_frame_to_frame():
+    """Frames with one path more each end in the picture that is drawn at once."""
+    scene = scene_of(spheres((0, 0, 0, 2)), replace(spheres((2, 1, 2, 2)), context=True))
+    pictures = []
+    for steps in (1, 2, 5), (5,):
+        renderer().restart()
+        for samples in steps:
+            image = draw(scene, CAMERA, renderer="path", path__samples=samples)
+        pictures.append(image.pixels)
+    assert np.array_equal(*pictures)
 
 
 def test_context_may_be_transparent_and_clipped():

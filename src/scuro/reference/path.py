@@ -62,7 +62,7 @@ class PathTracer:
         self._recolored = colors is not None
         shown = np.zeros(1, np.uint32) if colors is None else colors
         frame.resources["object_colors"] = frame.gpu.buffer(shown, label="colours")
-        key = _key(frame)
+        key = path_key(frame)
         if key != self._key or self.samples > settings.samples:
             self._key, self.samples = key, 0
         width, height = frame.size
@@ -106,8 +106,8 @@ class PathTracer:
         )
 
 
-def _key(frame: Frame) -> Any:
-    """Everything that the sums depend on."""
+def path_key(frame: Frame) -> Any:
+    """Everything that means over a pixel's samples depend on."""
     planes = np.asarray(frame.resources["scene"]["planes"]).tobytes()
     lights = frame.resources["lights"]
     table = [{k: np.asarray(v).tolist() for k, v in light.items()} for light in lights["list"]]

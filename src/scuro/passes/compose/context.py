@@ -10,11 +10,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from scuro.passes.compose.shade import shade
 from scuro.passes.frame import Frame, TargetPool
 from scuro.passes.geometry.tiles import find_tiles
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.transparent.layers import Layers, opaque_only
+from scuro.reference.path import path_key
 from scuro.scene.clip import Clip
 from scuro.trace import Accelerator
 
@@ -31,20 +34,21 @@ def draw_context(frame: Frame, accelerator: Accelerator, clip: Clip) -> None:
         clip: What cuts those that are clipped.
     """
     context = _begun(frame, accelerator, clip)
-    with opaque_only(context):
-        draw_visibility(context)
-    shade(context)
+    _draw(context)
     frame.context = context
     find_tiles(frame, name="all_tile")
     smooth = frame.settings.renderer == "path"
     if smooth:
-        # what shows through the edges of a path-traced picture lies under it
-        under = {"front": frame.resources["color"], "color": context.resources["color"]}
-        frame.replace_color(
-            "passes/transparent/over.wgsl", under, tiles=True, constants={"LAST": True}
-        )
+        _blend(frame, context)
     _put(frame, context, smooth)
     _draw_layers(frame, context)
+
+
+def _draw(context: Frame) -> None:
+    """G-buffer and ``color`` of what is opaque."""
+    with opaque_only(context):
+        draw_visibility(context)
+    shade(context)
 
 
 def _begun(frame: Frame, accelerator: Accelerator, clip: Clip) -> Frame:
@@ -62,6 +66,55 @@ def _begun(frame: Frame, accelerator: Accelerator, clip: Clip) -> Frame:
         history=None,
         sparse=None,
     )
+
+
+MOST_MEANS = 16
+"""Frames of the context that a path-traced picture shows the mean of, at most."""
+
+
+def _blend(frame: Frame, context: Frame) -> None:
+    """Put the mean of frames of the context, each shifted within the pixels, into ``color``.
+
+    There are no more than paths a pixel; like these, they are kept for the frames that go on.
+    """
+    paths = frame.settings.path
+    count = min(paths.samples, MOST_MEANS) if paths.antialias else 1
+    pool = frame.targets.table("shifted context", 0, lambda: TargetPool(frame.gpu))
+    width, height = frame.size
+    sums = frame.targets.buffer("context_sums", 32 * width * height)
+    done = frame.targets.table("context means", (path_key(frame), context.accelerator, sums), list)
+    if len(done) > count:
+        done.clear()
+    for index in range(len(done), count):
+        shifted = _shifted(context, pool, index) if index else context
+        frame.compute_tiles(
+            "passes/compose/context_sums.wgsl",
+            {
+                "means": {"index": index},
+                "context_sums": sums,
+                "context_surface": shifted.resources["surface"],
+                "context_color": shifted.resources["color"],
+            },
+            label="context",
+        )
+        frame.recorder.flush()  # drawing may be broken off
+        done.append(index)
+    frame.replace_color(
+        "passes/compose/context_mean.wgsl",
+        {"means": {"count": len(done)}, "context_sums": sums},
+        tiles=True,
+    )
+
+
+def _shifted(context: Frame, pool: TargetPool, index: int) -> Frame:
+    """The context from the next place within the pixels."""
+    view = context.resources["view"]
+    # well spread, the first in the middle (Roberts 2018, with the plastic number)
+    shift = np.modf(0.5 + index * np.array([0.7548776662, 0.5698402910]))[0] - 0.5
+    view = view | {"jitter": tuple(np.add(view["jitter"], shift).tolist())}
+    shifted = replace(context, targets=pool, resources=context.resources | {"view": view})
+    _draw(shifted)
+    return shifted
 
 
 def _put(frame: Frame, context: Frame, smooth: bool) -> None:

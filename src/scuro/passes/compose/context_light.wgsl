@@ -14,8 +14,7 @@
 
 override HAS_OCCLUSION: bool = false;
 override HAS_SHADOWS: bool = false;
-// Whether the scene's edges are smooth and the context already lies under them: a pixel whose middle
-// the scene misses may show some of it.
+// Whether edges are smooth and the color has the context already.
 override SMOOTH: bool = false;
 
 @compute @workgroup_size(8, 8)
@@ -31,7 +30,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     if (!shows) {
         return;
     }
-    if (!SMOOTH || scene_depth > 0.0) {
+    if (!SMOOTH) {
         textureStore(over_color, id, textureLoad(color, id, 0));
     }
     if (HAS_OCCLUSION) {
