@@ -338,3 +338,36 @@ def test_the_panel_tells_lengths_in_the_scenes_unit_and_leaves_out_what_it_has_n
     assert {"point (mm)", "cube (mm)", "cube turn (deg)", "Box"} <= set(written)
     assert not {"spare", "whole atoms", "Navigation cube"} & set(written)
     screen.close()
+
+
+def test_escape_closes_a_menu_before_it_clears_the_selection(renderer):
+    from imgui_bundle import imgui
+
+    screen = screen_of(renderer, (900.0, 400.0))
+    rest(screen)
+    opened = []
+    draw = screen.panel.draw
+
+    def with_menu(size):
+        draw(size)
+        imgui.begin("scuro")
+        if not opened:
+            imgui.open_popup("words")
+        opened.append(imgui.begin_popup("words"))
+        if opened[-1]:
+            imgui.text("one")
+            imgui.end_popup()
+        imgui.end()
+
+    target = screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True)
+    screen.panel.draw = with_menu
+    screen.draw(target)
+    screen.draw(target)
+    assert opened[-1], "no menu: this shows nothing"
+    screen.view.windowing = True
+    for expected in (True, False):  # the second time it is the view's
+        for kind in ("key_down", "key_up"):
+            screen.handle({"event_type": kind, "key": "Escape", "modifiers": ()})
+        screen.draw(target)
+        assert not opened[-1] and screen.view.windowing == expected
+    screen.close()

@@ -12,8 +12,8 @@ from scuro.scene.geometry import Body, Geometry
 
 _THICK = 0.3
 """Å: the tube's radius, thinner than any probe that leaves a track worth showing."""
-_START, _END = (40, 92, 170), (120, 205, 235)
-"""sRGB of where it begins and ends: it says which way the probe went."""
+_START, _END = (94, 52, 160), (250, 200, 70)
+"""sRGB of where it begins and ends: which way the probe went; no chain is coloured so."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,12 +71,25 @@ class Gui:
             io.add_mouse_wheel_event(-event["dx"] / 100, -event["dy"] / 100)
             return bool(io.want_capture_mouse)
         if kind in ("key_down", "key_up"):
+            if event["key"] == "Escape" and kind == "key_down" and self._close_menu():
+                return True
             self._key(event["key"], kind == "key_down")
             return bool(io.want_text_input)
         if kind == "char":
             io.add_input_characters_utf8(event.get("data") or event.get("char_str") or "")
             return bool(io.want_text_input)
         return False
+
+    def _close_menu(self) -> bool:
+        """Close the menu that is open; whether there was one.
+
+        ImGui itself does so only where keys walk through its controls, too.
+        """
+        imgui = self._imgui
+        if not imgui.is_popup_open("", imgui.PopupFlags_.any_popup):
+            return False
+        imgui.internal.close_popup_to_level(0, False)
+        return True
 
     def _point(self, event: dict[str, Any], decide: bool) -> None:
         """Tell where the pointer is; ``decide`` at once whether it is over the panel.
