@@ -8,6 +8,7 @@ from scuro.render_names import SMALLEST_TEXT, text_size
 from scuro.render_settings import Settings
 from scuro.settings import parameters
 from scuro.viewer.model import Model
+from scuro.viewer.panel.panel import _WARNING
 from scuro.viewer.playbar import foot, room
 from scuro.viewer.view import REST
 
@@ -370,4 +371,33 @@ def test_escape_closes_a_menu_before_it_clears_the_selection(renderer):
             screen.handle({"event_type": kind, "key": "Escape", "modifiers": ()})
         screen.draw(target)
         assert not opened[-1] and screen.view.windowing == expected
+    screen.close()
+
+
+def test_what_went_wrong_is_said_once_in_its_color_until_it_is_read(renderer, monkeypatch):
+    screen = screen_of(renderer, (900.0, 400.0))
+    rest(screen)
+    told = []
+    monkeypatch.setattr(
+        "scuro.viewer.panel.panel.words", lambda text, *color: told.append((text, *color))
+    )
+    jobs, saving = screen.panel.jobs, screen.panel.saving
+    target = screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True)
+    saving.picture_settings = saving.picture_settings.replace(name="x.bmp")
+    saving.picture()
+    while jobs.waiting:
+        jobs.tick()
+    assert jobs.message.count("x.bmp") == 1 and jobs.failed
+    screen.draw(target)
+    assert told == [(jobs.message, _WARNING)]
+    # the cross before it
+    click = {"x": 900.0 - 330.0 + 17.0, "y": 65.0, "button": 1, "modifiers": ()}
+    for kind in ("pointer_move", "pointer_down", "pointer_up"):
+        screen.handle({"event_type": kind, **click})
+        screen.draw(target)
+    assert jobs.message == ""
+    saving.scene()
+    told.clear()
+    screen.draw(target)
+    assert told == [("scene.toml", None)], "no warning"
     screen.close()

@@ -30,11 +30,13 @@ class Jobs:
         self.waiting: list[Job] = []
         self.message = ""
         """What the last one said when it ended."""
+        self.failed = False
+        """Whether it could not be done."""
 
     def add(self, title: str, work: Work) -> None:
         """Begin a work when those before it are done."""
         self.waiting.append(Job(title, work))
-        self.message = ""
+        self.message, self.failed = "", False
 
     def cancel(self, job: Job) -> None:
         """Stop a work; it leaves nothing behind."""
@@ -54,7 +56,9 @@ class Jobs:
             self.message = end.value or ""
         except ScuroError as error:
             self.waiting.remove(job)
-            self.message = f"{job.title}: {error}"
+            said = str(error)
+            self.message = said if said.startswith(job.title) else f"{job.title}: {said}"
+            self.failed = True
 
     @property
     def wait(self) -> float | None:

@@ -88,9 +88,9 @@ class Saving:
     def deliver(self, name: str, write: Callable[[Path], None]) -> None:
         """A file that is written at once."""
         try:
-            self._jobs.message = self._deliver(name, write)
+            self._jobs.message, self._jobs.failed = self._deliver(name, write), False
         except ScuroError as error:
-            self._jobs.message = str(error)
+            self._jobs.message, self._jobs.failed = str(error), True
 
     def picture(self) -> None:
         """The full picture of what is on the screen."""

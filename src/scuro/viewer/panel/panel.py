@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from scuro.style.labels import Label
 from scuro.viewer.handles import Handles
@@ -141,11 +142,20 @@ class Panel:
             imgui.same_line()
             if imgui.button(f"Cancel##{id(job)}"):
                 self.jobs.cancel(job)
-        for said in (view.error, view.remark, model.message, self._groups.message):
+        for said in (view.error, view.remark):
             if said:
                 words(self._told(said), _WARNING)
-        if self.jobs.message:
-            words(self._told(self.jobs.message))
+        sources: tuple[Any, ...] = (model, self._groups, self.jobs)
+        for number, source in enumerate(sources):
+            if not source.message:
+                continue
+            if imgui.small_button(f"×##{number}"):
+                source.message = ""
+                continue
+            imgui.set_item_tooltip("Read")
+            imgui.same_line()
+            failed = source is not self.jobs or self.jobs.failed
+            words(self._told(source.message), _WARNING if failed else None)
 
     def _fold(self) -> None:
         self.open = False
