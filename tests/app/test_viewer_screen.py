@@ -401,3 +401,22 @@ def test_what_went_wrong_is_said_once_in_its_color_until_it_is_read(renderer, mo
     screen.draw(target)
     assert told == [("scene.toml", None)], "no warning"
     screen.close()
+
+
+def test_a_wheel_that_comes_right_after_keys_scrolls_the_panel_it_is_over(renderer):
+    screen = screen_of(renderer, (900.0, 320.0))
+    move(screen, 100.0, 100.0)
+    rest(screen)
+    camera = screen.view.camera
+    for key in ("a", "e", "a", "e"):  # between two pictures; they mean nothing to the scene
+        for kind in ("key_down", "key_up"):
+            screen.handle({"event_type": kind, "key": key, "modifiers": ()})
+    wheel = {"event_type": "wheel", "x": 700.6, "y": 200.0, "dx": 0.0, "dy": 100.0, "modifiers": ()}
+    turns, interface = [], screen.gui._body
+    screen.gui._body = lambda: (turns.append(1), interface())
+    screen.handle(wheel)
+    assert screen.view.camera == camera, "the scene was zoomed"
+    assert 1 < len(turns) < 12, "no more frames than the keys need"
+    screen.handle({**wheel, "x": 200.0})
+    assert screen.view.camera != camera, "no wheel at all: this shows nothing"
+    screen.close()

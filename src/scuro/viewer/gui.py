@@ -11,6 +11,8 @@ from scuro.viewer.theme import apply_style, load_font
 
 _SETTLING = 3
 """Frames after an event until ImGui's layout has settled."""
+_MOST_TURNS = 16
+"""Frames in which ImGui is to come to an event: as many keys may have come before it."""
 _BLINK, _TOOLTIP = 0.4, 0.5
 """Seconds between blinks of a text cursor, and until a tooltip shows."""
 
@@ -94,17 +96,21 @@ class Gui:
     def _point(self, event: dict[str, Any], decide: bool) -> None:
         """Tell where the pointer is; ``decide`` at once whether it is over the panel.
 
-        ImGui finds out in its next frame. A finger, which comes from nowhere, a wheel, or a press
-        while a slow picture keeps that frame waiting, must not be judged by where the pointer was
-        before.
+        ImGui finds out in its next frame, or a later one: keys that came before it takes one by
+        one. A finger, which comes from nowhere, a wheel, or a press while a slow picture keeps that
+        frame waiting, must not be judged by where the pointer was before.
         """
         place = (event["x"], event["y"])
         self._backend.io.add_mouse_pos_event(*place)
         self._judged &= place == self._place
         if decide and not self._judged and self._body is not None:
-            self._imgui.new_frame()
-            self._body()
-            self._imgui.end_frame()
+            for _ in range(_MOST_TURNS):
+                self._imgui.new_frame()
+                self._body()
+                self._imgui.end_frame()
+                x, y = self._imgui.get_mouse_pos()
+                if max(abs(x - place[0]), abs(y - place[1])) < 1:  # it keeps whole pixels
+                    break
             self._judged = True
         self._place = place
 
