@@ -336,7 +336,7 @@ def test_the_panel_tells_lengths_in_the_scenes_unit_and_leaves_out_what_it_has_n
     for _ in range(2):
         written.clear()
         screen.draw(screen.gpu.texture(screen.physical, "rgba8unorm", attachment=True))
-    assert {"point (mm)", "cube (mm)", "cube turn (deg)", "Box"} <= set(written)
+    assert {"point (mm)", "cube (mm)", "cube center (mm)", "cube turn (deg)", "Box"} <= set(written)
     assert not {"spare", "whole atoms", "Navigation cube"} & set(written)
     screen.close()
 

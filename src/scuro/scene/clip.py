@@ -106,7 +106,7 @@ class ClippingSettings(SettingsGroup):
         switch=True,
     )  # fmt: skip
     cube_center: tuple[float, float, float] | None = setting(
-        None, "the box's middle in the file's coordinates (default: the scene's)"
+        None, "the box's middle in the file's coordinates (default: the scene's)", unit="Å"
     )
     cube_turn: tuple[float, float, float] = setting(
         (0.0, 0.0, 0.0), "turns of the box about x, then y, then z", unit="deg"
