@@ -56,14 +56,15 @@ def test_a_border_is_as_wide_as_set_before_the_background(renderer):
     assert left == 80 - 30 - 4
 
 
-def test_a_wide_border_is_even_all_around(renderer):
+@pytest.mark.parametrize("width", [6.0, 13.0])
+def test_a_wide_border_is_even_all_around(renderer, width):
     from scipy.ndimage import distance_transform_edt
 
     scene = spheres((0, 0, 0, 3))
     ball = pixels(renderer, scene)[..., 1] < 255
-    lined = pixels(renderer, scene, borders__width=6.0)[..., 0] / 255
+    lined = pixels(renderer, scene, borders__width=width)[..., 0] / 255
     linear = np.where(lined <= 0.04045, lined / 12.92, ((lined + 0.055) / 1.055) ** 2.4)
-    exact = np.clip(6.0 + 1 - distance_transform_edt(~ball), 0, 1)
+    exact = np.clip(width + 1 - distance_transform_edt(~ball), 0, 1)
     assert np.abs(1 - linear - exact)[~ball].max() < 0.02
 
 

@@ -26,12 +26,10 @@ CODECS = {
     ".webm": ["-c:v", "libvpx-vp9", "-crf", "28", "-b:v", "0", "-row-mt", "1"],
 }
 _COLORS = [
-    # chroma in pairs of pixels needs even sizes
-    "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white,"
-    "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int",
-    # said in the file: players take what says nothing for one or the other by its size
-    "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1",
-    "-color_range", "tv",
+    "-vf", "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,"
+    # said in the file: players take what says nothing for one or the other by its size. Said of the
+    # frames, as what these leave open would win over what is said of the output
+    "setparams=colorspace=bt709:color_primaries=bt709:color_trc=iec61966-2-1:range=tv",
 ]  # fmt: skip
 """HD video's way from sRGB to luma and chroma."""
 _SAME = ["-fflags", "+bitexact"]
@@ -118,9 +116,11 @@ def write_video(path: Path, frames: Iterable[Pixels], size: tuple[int, int], fps
     import imageio_ffmpeg
 
     codec = CODECS[path.suffix]
+    # chroma in pairs of pixels needs even sizes: the last row and column are repeated
+    more = size[0] % 2, size[1] % 2
     writer = imageio_ffmpeg.write_frames(
         str(path),
-        size,
+        (size[0] + more[0], size[1] + more[1]),
         fps=fps,
         codec=codec[1],
         quality=None,
@@ -131,7 +131,8 @@ def write_video(path: Path, frames: Iterable[Pixels], size: tuple[int, int], fps
     try:
         writer.send(None)
         for frame in frames:
-            writer.send(np.ascontiguousarray(frame))
+            even = np.pad(frame, ((0, more[1]), (0, more[0]), (0, 0)), "edge")
+            writer.send(np.ascontiguousarray(even))
     except (OSError, StopIteration) as error:
         why = getattr(error, "strerror", None) or "the encoder stopped, is the disk full?"
         raise SaveError(path, f"cannot be written: {why}") from None
