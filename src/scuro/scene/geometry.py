@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
+from scuro.scene.outermost import outermost
 
 
 def _empty(*shape: int, dtype: type = np.float32) -> NDArray:
@@ -76,6 +77,19 @@ class Geometry:
             box[0, axis] = min(low.min() for low in lows if len(low))
             box[1, axis] = max(high.max() for high in highs if len(high))
         return box
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(n, 4) centres and radii that bound all primitives."""
+        corners = self.triangles.reshape(-1, 3)
+        bare = np.concatenate([corners, np.zeros((len(corners), 1), np.float32)], axis=1)
+        found = np.concatenate([self.spheres, self.rods.reshape(-1, 4), bare])
+        return found.astype(np.float64)
+
+    @cached_property
+    def outermost(self) -> NDArray[np.float64]:
+        """(n, 4) those of :meth:`points` that can be met first from some side."""
+        return outermost(self.points)
 
 
 @dataclass(frozen=True)

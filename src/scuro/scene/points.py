@@ -21,14 +21,18 @@ _FOCUS_PADDING = 3.0
 """Å around the atoms that are in focus, so that their neighbours show."""
 
 
-def scene_points(scene: Scene) -> NDArray[np.float64]:
+def scene_points(scene: Scene, outermost: bool = False) -> NDArray[np.float64]:
     """(n, 4) world centres and radii that bound the scene's surfaces.
 
     Volumes and other items without surfaces add the corners of their boxes.
+
+    Args:
+        scene: What is seen.
+        outermost: Whether those will do that can be met first from some side: for cameras.
     """
     bodies = scene.bodies()
     exact = sum(len(b.geometry) * b.instances for b in bodies) <= _EXACT_POINTS
-    found = [body_points(body, exact) for body in bodies]
+    found = [body_points(body, exact, outermost) for body in bodies]
     found += [_bare(volume.outline) for volume in scene.volumes]
     found += [_bare(reservoir.outline) for reservoir in scene.reservoirs]
     others = [item for item in scene.items if item not in scene.reservoirs]
@@ -68,20 +72,14 @@ def hull(points: NDArray) -> NDArray[np.float64]:
     return outer
 
 
-def body_points(body: Body, exact: bool) -> NDArray[np.float64]:
-    """(n, 4) world centres and radii that bound a body: of its primitives, or of its instances."""
+def body_points(body: Body, exact: bool, outermost: bool = False) -> NDArray[np.float64]:
+    """(n, 4) world centres and radii that bound a body: of its primitives (or of those that can be
+    met first from some side), or of its instances."""
     geometry = body.geometry
     if not len(geometry) or not len(body.positions):
         return np.zeros((0, 4))
     if exact:
-        corners = geometry.triangles.reshape(-1, 3)
-        local = np.concatenate(
-            [
-                geometry.spheres,
-                geometry.rods.reshape(-1, 4),
-                np.concatenate([corners, np.zeros((len(corners), 1), np.float32)], axis=1),
-            ]
-        ).astype(np.float64)
+        local = geometry.outermost if outermost else geometry.points
     else:
         middle = geometry.bounds.astype(np.float64).mean(axis=0)
         local = np.append(middle, body.radius)[None]

@@ -111,7 +111,12 @@ def view_camera(
         SettingsError: The focus selects nothing.
     """
     if points is None:
-        points = focus_points(scene, view.focus) if view.focus else scene_points(scene)
+        outermost = view.view != _PRINCIPAL  # whose axes are those of all
+        points = (
+            focus_points(scene, view.focus)
+            if view.focus
+            else scene_points(scene, outermost=outermost)
+        )
     bounds = _bounds(points) if len(points) else scene.bounds()
     if view.position is not None:
         camera = _placed(view, bounds)

@@ -1,7 +1,7 @@
 """Sorting primitives and instances into the cells of their grids, on the GPU.
 
-A counting sort in three kernels (``build.wgsl``); only the prefix sum between them is numpy's. All
-in steps short enough for a window to draw between them.
+A counting sort in three kernels (``build.wgsl``); the prefix sum between them is numpy's, in a
+thread. All in steps short enough for a window to draw between them.
 """
 
 from __future__ import annotations
@@ -13,13 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scuro.gpu import Gpu
-from scuro.steps import scaled
+from scuro.steps import in_thread, scaled
 from scuro.trace.clear import clear_directions
 from scuro.trace.grids import GridPlan
 from scuro.trace.table import empty_table, padded_bytes, table_from_buffers
 
 STEP = 1 << 17
 """Primitives, instances or cells that are sorted in one step."""
+_WRITTEN = 1 << 20
+"""Starts of cells that are handed over in one step."""
 _COPIED = 2 * STEP
 """Cells or entries that are copied in one step."""
 _CLEARED = 256
@@ -95,14 +97,14 @@ class _Sorter:
             self._run(f"count_{entry}", **(step() if callable(step) else step))
             yield 0.4 * (number + 1) / len(steps)
         lengths = gpu.read_buffer(resources["counts"], np.uint32)[:cells]
-        ends = np.cumsum(lengths, dtype=np.int64)
-        starts = np.full(cells, base, np.uint32)
-        starts[1:] += ends[:-1].astype(np.uint32)
+        yield 0.4
+        starts, total = yield from in_thread(lambda: _summed(lengths, base))
         yield 0.5
-        total = first + int(lengths.sum(dtype=np.int64))
-        resources["refs"] = gpu.buffer(padded_bytes(total), label="grid references")
-        if cells:
-            gpu.write_buffer(resources["cells"], starts)
+        resources["refs"] = gpu.buffer(padded_bytes(first + total), label="grid references")
+        for start in range(0, cells, _WRITTEN):
+            here = starts[start : start + _WRITTEN]
+            gpu.write_buffer(resources["cells"], here, offset=4 * start)
+            yield 0.5
         recorder = gpu.recorder()
         recorder.clear_buffer(resources["counts"])
         recorder.submit()
@@ -132,7 +134,8 @@ class _Sorter:
         )
         # an empty cell tells where nothing lies ahead, another where its list begins
         empty = lengths == 0
-        clear = yield from scaled(_clear_directions(plan.grids[: plan.over], empty), 0.9, 1.0)
+        yield 0.9
+        clear = yield from in_thread(lambda: _clear_directions(plan.grids[: plan.over], empty))
         gpu.write_buffer(self.resources["refs"], np.where(empty, _EMPTY | clear, starts))
         return self.resources["refs"]
 
@@ -169,8 +172,9 @@ class _Sorter:
             steps.append(visit)
             yield 0.0
         _, lengths = yield from scaled(self._sort("primitives", steps, cells, cells, 0), 0.0, 0.6)
-        clear = yield from scaled(
-            _clear_directions(plan.grids[plan.over :], lengths == 0), 0.6, 0.7
+        yield 0.6
+        clear = yield from in_thread(
+            lambda: _clear_directions(plan.grids[plan.over :], lengths == 0)
         )
         total = cells + int(lengths.sum(dtype=np.int64))
         walked = empty_table(gpu, total, "rgba32uint", "grid entries")
@@ -190,17 +194,19 @@ class _Sorter:
         return walked, self.resources["refs"]
 
 
-def _clear_directions(
-    grids: NDArray, empty: NDArray[np.bool_]
-) -> Generator[float, None, NDArray[np.uint32]]:
+def _summed(lengths: NDArray[np.uint32], base: int) -> tuple[NDArray[np.uint32], int]:
+    """Where runs of these lengths start, one after another from ``base`` on; and the sum."""
+    ends = np.cumsum(lengths, dtype=np.int64)
+    starts = np.full(len(lengths), base, np.uint32)
+    starts[1:] += ends[:-1].astype(np.uint32)
+    return starts, int(ends[-1]) if len(ends) else 0
+
+
+def _clear_directions(grids: NDArray, empty: NDArray[np.bool_]) -> NDArray[np.uint32]:
     """What :func:`clear_directions` tells of each cell of some grids, from whether it is empty."""
     bits = np.zeros(len(empty), np.uint32)
-    chosen = grids[:_CLEARED]
-    for number, grid in enumerate(chosen):
+    for grid in grids[:_CLEARED]:
         first, dims = int(grid["cells"]), grid["dims"][::-1].astype(np.int64)
         run = slice(first, first + int(np.prod(dims)))
-        found = clear_directions(empty[run].reshape(dims))
-        bits[run] = (
-            yield from scaled(found, number / len(chosen), (number + 1) / len(chosen))
-        ).ravel()
+        bits[run] = clear_directions(empty[run].reshape(dims)).ravel()
     return bits

@@ -9,14 +9,12 @@ exactly for the worst ray in it.
 
 from __future__ import annotations
 
-from collections.abc import Generator
-
 import numpy as np
 from numpy.typing import NDArray
 
 
-def clear_directions(empty: NDArray[np.bool_]) -> Generator[float, None, NDArray[np.uint32]]:
-    """A bit for each bin of directions in which rays from a cell meet only empty cells, in steps.
+def clear_directions(empty: NDArray[np.bool_]) -> NDArray[np.uint32]:
+    """A bit for each bin of directions in which rays from a cell meet only empty cells.
 
     Args:
         empty: (nz, ny, nx) whether each cell is empty; what is outside counts as empty.
@@ -37,7 +35,6 @@ def clear_directions(empty: NDArray[np.bool_]) -> Generator[float, None, NDArray
                 shifts = (sign << axis) + (flips[2] << others[0]) + (flips[1] << others[1])
                 clear = _sweep(layers[view])
                 result[view] |= clear.astype(np.uint32) << np.uint32(8 * axis + shifts)
-                yield (8 * axis + 4 * sign + way + 1) / 24
     return bits
 
 

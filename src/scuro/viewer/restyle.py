@@ -27,7 +27,7 @@ def _ready(bodies: Sequence[Body]) -> None:
     """Work out what a scene, its camera and its acceleration structure ask bodies for, too."""
     pack_bodies(bodies)
     for body in bodies:
-        _ = body.bounds
+        _ = body.bounds, body.geometry.outermost
 
 
 def _bytes(name: str) -> float:

@@ -82,7 +82,7 @@ class Stance:
             self.camera = self.initial_camera() if known is None else known
         elif stereo.mode != self._stereo.mode:
             before, after = self._roomy(self._stereo), self._roomy(stereo)
-            points = scene_points(self.model.scene)
+            points = scene_points(self.model.scene, outermost=True)
             self.camera = navigate.narrowed(self.camera, before, after, points)
         self._place, self._stereo = place, stereo
 
@@ -118,7 +118,7 @@ class Stance:
     def fit(self) -> None:
         """See all of the scene from the same side."""
         scene = self.model.scene
-        points = scene_points(scene)
+        points = scene_points(scene, outermost=True)
         bounds = scene.bounds()
         aspect = self._roomy(self.model.settings.stereo)
         fitted = navigate.fit(self.camera, bounds, aspect, points if len(points) else None)

@@ -29,7 +29,9 @@ def depth_range(frame: Frame) -> tuple[float, float]:
 
 def _measured(camera: Camera, bodies: tuple[Body, ...]) -> tuple[float, float]:
     exact = sum(len(b.geometry) * b.instances for b in bodies) <= _EXACT_POINTS
-    points = np.concatenate([np.zeros((0, 4)), *(body_points(body, exact) for body in bodies)])
+    points = np.concatenate(
+        [np.zeros((0, 4)), *(body_points(body, exact, True) for body in bodies)]
+    )
     if not len(points):
         return 0.0, 1.0
     row = camera.view_from_world()[2]
