@@ -44,12 +44,26 @@ def test_few_of_a_ball_are_left_and_cameras_are_the_same():
     spheres = np.column_stack([centers, rng.choice([1.2, 1.7, 1.8], 400_000)])
     kept = outermost(spheres)
     assert len(kept) < 0.25 * len(spheres)
+    for direction in rng.normal(size=(50, 3)):
+        direction /= np.linalg.norm(direction)
+        assert _reach(kept, direction) == pytest.approx(_reach(spheres, direction), abs=1e-9)
     box = np.array([[-102.0] * 3, [102.0] * 3])
     for orthographic in (False, True):
         options = {"direction": (1, 2, 3), "aspect": 1.7, "orthographic": orthographic}
         expected = Camera.fitted(box, points=spheres, **options)
         found = Camera.fitted(box, points=kept, **options)
         assert np.allclose(found.position, expected.position, atol=1e-9)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_large_sphere_below_small_ones_is_not_forgotten(axis, side):
+    spheres = np.zeros((60_000, 4))
+    spheres[:, :3] = np.random.default_rng(7).random((60_000, 3)) * 100
+    large = np.array([50.0, 50.0, 50.0, 20.0])
+    large[axis] += 35 * side
+    kept = outermost(np.concatenate([spheres, large[None]]))
+    assert (kept == large).all(axis=1).any()
 
 
 def test_few_points_are_left_alone():
