@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -165,12 +167,86 @@ def test_bounce_carries_the_senders_colour(renderer):
     bright = settings_of(bounce=1.0, thresholds=(100.0, 50.0), near_radius=1.5)
     bounce, ids = buffers(renderer, scene, camera, bright, "bounce", "ids")
     on_white, on_red = bounce[ids[..., 2] == 0], bounce[ids[..., 2] == 1]
-    assert on_white[:, 0].sum() > 1
+    assert on_white[:, 0].sum() > 0.25
     assert on_white[:, 1].sum() < 0.05 * on_white[:, 0].sum(), "red light falls on the white ball"
     assert on_red[:, 1].sum() > 0.5 * on_red[:, 0].sum(), "white light falls on the red ball"
     distant = bright.replace(semantic__thresholds=(10.0, 5.0))
     (far,) = buffers(renderer, scene, camera, distant, "bounce")
     assert far[..., :3].max() == 0, "the bounce fades out with distance"
+
+
+def wall_beside_floor() -> Scene:
+    """A floor z = 0 for x > 0, and a red wall x = 0 at its edge, for z > 0."""
+    floor = plate(0, 20, (255, 255, 255), ("root", "A", "floor"), x=20)
+    wall = plate(0, 20, (255, 40, 40), ("root", "A", "wall"))
+    corners = wall.geometry.triangles.reshape(-1, 3)
+    # (x, y, 0) to (0, y, 20 - x): its front then looks along +x
+    turned = np.stack([0 * corners[:, 0], corners[:, 1], 20 - corners[:, 0]], axis=1)
+    normals = np.zeros_like(wall.geometry.triangle_normals)
+    normals[..., 0] = 1
+    standing = replace(
+        wall.geometry,
+        triangles=turned.reshape(2, 3, 3).astype(np.float32),
+        triangle_normals=normals,
+    )
+    return scene_of(floor, Body(standing, name="wall", path=wall.path, material=MATTE))
+
+
+def sum_of_equation_3_2(away: float, reach: float, skin: float) -> float:
+    """Share of a wall's light that a floor so far from it gets, by a dense grid of samples."""
+    u = (np.stack(np.meshgrid(*[np.arange(64)] * 3, indexing="ij"), axis=-1) + 0.5) / 64
+    radius, turn = np.sqrt(u[..., 0]), 2 * np.pi * u[..., 1]
+    x, y, z = radius * np.cos(turn), radius * np.sin(turn), np.sqrt(1 - u[..., 0])
+    step = reach * u[..., 2]
+    # seen along (-1, 0, -1): what is behind the wall shows the wall beside it
+    behind = -(away + step * x)
+    occluded = behind * np.sqrt(2) > skin
+    range_ = np.sqrt(away**2 + (step * y) ** 2 + (step * z + behind) ** 2)
+    form = z * np.maximum(-x, 0) * reach / np.maximum(range_, 0.1 * reach)
+    return float((occluded * form).mean())
+
+
+@pytest.mark.parametrize("strength", [1.0, 2.0])
+def test_a_wall_lights_a_floor_by_the_sum_of_equation_3_2(renderer, strength):
+    size, height = (192, 144), 12.0
+    settings = settings_of(bounce=strength, samples=256, thresholds=(100.0, 50.0), near_radius=6.0)
+    settings = settings.replace(size=size)
+    camera = Camera((30, 0, 30), (0, 0, 0), (0, 1, 0), height=height)
+    scene = wall_beside_floor()
+    bounce, diffuse, ids = buffers(renderer, scene, camera, settings, "bounce", "diffuse", "ids")
+    reach, pixel = 6.0 * renderer.accelerator(scene).primitive_radius, height / size[1]
+    assert reach == pytest.approx(3.0)
+    rows = slice(36, 108, 2)
+    assert (ids[rows, 60:95, 2] == 1).all() and (ids[rows, 97:140, 2] == 0).all()
+    lit = diffuse[rows, 60:95, :3].mean(axis=(0, 1))
+    for column in (98, 100, 104):
+        away = (column + 0.5 - size[0] / 2) * pixel * np.sqrt(2)
+        expected = strength * lit * sum_of_equation_3_2(away, reach, 0.5 * pixel)
+        assert expected[0] > 0.005
+        np.testing.assert_allclose(
+            bounce[rows, column, :3].mean(axis=0), expected, rtol=0.06, atol=1e-4
+        )
+
+
+def test_a_bounce_is_spread_to_all_pixels_between_those_that_found_it(renderer):
+    settings = settings_of(bounce=4.0, thresholds=(100.0, 50.0), near_radius=6.0, blur_bounce=6)
+    camera = Camera((30, 0, 30), (0, 0, 0), (0, 1, 0), height=12.0)
+    color, albedo, light, bounce, ids = buffers(
+        renderer, wall_beside_floor(), camera, settings,
+        "color", "albedo", "gathered_blurred", "bounce_blurred", "ids",
+    )  # fmt: skip
+    assert not bounce[1::2].any() and not bounce[:, 1::2].any()
+    floor = np.s_[20:53, 50:81]
+    assert (ids[floor][..., 2] == 0).all()
+    spread = (color / np.maximum(albedo, 1e-3) - light)[floor][..., :3]
+    found = bounce[floor][::2, ::2, :3]
+    assert np.ptp(found[..., 0]) > 0.05
+    beside = (found[:, :-1] + found[:, 1:]) / 2
+    below = (found[:-1] + found[1:]) / 2
+    np.testing.assert_allclose(spread[::2, ::2], found, atol=4e-3)
+    np.testing.assert_allclose(spread[::2, 1::2], beside, atol=4e-3)
+    np.testing.assert_allclose(spread[1::2, ::2], below, atol=4e-3)
+    np.testing.assert_allclose(spread[1::2, 1::2], (beside[:-1] + beside[1:]) / 2, atol=4e-3)
 
 
 def test_shadows_fall_between_regions_only(renderer):
@@ -186,6 +262,30 @@ def test_shadows_fall_between_regions_only(renderer):
 
     assert darkest(high) == 0.0
     assert darkest(("root", "A", "lid")) == 1.0
+
+
+def test_a_shadow_lies_where_the_way_to_the_light_goes_under_another_region(renderer):
+    scene = plate_under_plate(("root", "B", "lid"))
+    shade = settings_of(shadow=1.0, blur_shadow=0, shadow_steps=512)
+    image = renderer.render(scene, CAMERA, shade)
+    resources = image._frame.resources
+    lit, ids = (renderer.gpu.read_texture(resources[name]) for name in ("lit", "ids"))
+    towards = -np.asarray(resources["lights"]["list"][0]["direction"])
+    # points of the floor, and those on their ways up to the lid
+    pixel = 2 * 60 * CAMERA.half_height() / SIZE[1]
+    y, x = np.mgrid[: SIZE[1], : SIZE[0]] + 0.5
+    floor = np.stack([x - SIZE[0] / 2, SIZE[1] / 2 - y, 0 * x], axis=-1) * pixel
+    ways = floor[..., None, :] + np.linspace(0, 2, 200)[:, None] * towards / towards[2]
+    # what they are hidden by from the camera, 60 above: the lid, 2 above the floor
+    seen = ways[..., :2] * 58 / (60 - ways[..., 2:])
+    dark = (np.abs(seen) < 3).all(axis=-1).any(axis=-1)
+    # away from borders, on the floor
+    around = np.lib.stride_tricks.sliding_window_view(dark, (3, 3))
+    sure = around.all(axis=(2, 3)) | ~around.any(axis=(2, 3))
+    sure &= (np.lib.stride_tricks.sliding_window_view(ids[..., 2], (3, 3)) == 0).all(axis=(2, 3))
+    dark, found = dark[1:-1, 1:-1][sure], lit[1:-1, 1:-1, 0][sure] == 0
+    assert dark.sum() > 30
+    np.testing.assert_array_equal(found, dark)
 
 
 def under_a_lid() -> tuple[Scene, Camera, Settings]:
@@ -215,6 +315,8 @@ def test_combine_is_colour_times_light_times_shadow_plus_bounce(renderer, case):
     assert lit.min() < 0.9 or bounce[..., :3].max() > 0.1
     expected = albedo[..., :3] * (gathered[..., :3] * lit[..., :1] + bounce[..., :3])
     there = surface[..., 3] > 0
+    # other pixels have the bounce of these about them
+    color, expected, there = (buffer[::2, ::2] for buffer in (color, expected, there))
     np.testing.assert_allclose(color[there][:, :3], expected[there], rtol=4e-3, atol=2e-3)
 
 
@@ -238,43 +340,64 @@ def blurred_by_hand(source, surface, amount, depth_limit, normal_limit):
     return out
 
 
-@pytest.mark.parametrize("amounts", [(3, 6, 5), (10, 0, 3), (0, 4, 0)])
-def test_blur_is_algorithm_3_with_a_radius_for_each(renderer, amounts):
-    gpu, rng = renderer.gpu, np.random.default_rng(3)
-    light, bounce, lit = (rng.random((9, 17, 4)).astype(np.float16) for _ in range(3))
-    surface = rng.normal(size=(9, 17, 4)).astype(np.float32)
-    surface[..., :3] /= np.linalg.norm(surface[..., :3], axis=-1, keepdims=True)
-    surface[..., 3] = rng.uniform(5, 6, (9, 17))
-    out, beside = (gpu.texture((17, 9), "rgba16float") for _ in range(2))
-    own, others = taps(amounts[0]), taps(*amounts[1:])
-    uniform = {"step": (1, 0), "light_taps": len(own), "beside_taps": len(others)}
-    uniform |= {"light": own or [(0,) * 4], "beside": others or [(0,) * 4]}
-    uniform |= {"depth_limit": 0.4, "normal_limit": -0.2}
-    tiles = np.array([x | y << 16 for y in range(2) for x in range(3)], np.uint32)
+def blurred_on_the_gpu(renderer, entry, constants, weights, surface, source, lit):
+    """One dispatch of blur.wgsl along x."""
+    gpu = renderer.gpu
+    height, width = surface.shape[:2]
+    out = gpu.texture((width, height), "rgba16float")
+    tiles = np.array(
+        [x | y << 16 for y in range(-(-height // 8)) for x in range(-(-width // 8))], np.uint32
+    )
+    blur = {"step": (1, 0), "taps": len(weights), "weights": weights or [(0,) * 4]}
     gpu.compute(
         "passes/semantic/blur.wgsl",
-        "main",
-        (8 * len(tiles), 8),
+        entry,
+        (8 * len(tiles), 8 if entry == "main" else 2),
         {
             "tile_list": gpu.buffer(tiles),
-            "view": view_uniform(CAMERA, np.zeros(3), (17, 9)),
-            "blur": uniform,
+            "view": view_uniform(CAMERA, np.zeros(3), (width, height)),
+            "blur": blur | {"depth_limit": 0.4, "normal_limit": -0.2},
             "surface": gpu.texture_from(surface, "rgba32float"),
-            "source": gpu.texture_from(light, "rgba16float"),
-            "source_beside": gpu.texture_from(bounce, "rgba16float"),
+            "source": gpu.texture_from(source, "rgba16float"),
             "lit": gpu.texture_from(lit, "rgba16float"),
             "blurred": out,
-            "blurred_beside": beside,
         },
+        constants=constants,
     )
+    return gpu.read_texture(out)
+
+
+def random_surface(rng, height, width):
+    surface = rng.normal(size=(height, width, 4)).astype(np.float32)
+    surface[..., :3] /= np.linalg.norm(surface[..., :3], axis=-1, keepdims=True)
+    surface[..., 3] = rng.uniform(5, 6, (height, width))
+    return surface
+
+
+@pytest.mark.parametrize("amounts", [(3, 5), (10, 3), (0, 4), (4, 0)])
+def test_blur_is_algorithm_3_with_a_radius_for_each(renderer, amounts):
+    rng = np.random.default_rng(3)
+    light, lit = (rng.random((9, 17, 4)).astype(np.float16) for _ in range(2))
+    surface = random_surface(rng, 9, 17)
+    found = blurred_on_the_gpu(renderer, "main", {}, taps(*amounts), surface, light, lit)
     expected = [
         blurred_by_hand(source.astype(float), surface, amount, 0.4, -0.2)
-        for source, amount in zip((light, bounce, lit), amounts, strict=True)
+        for source, amount in zip((light, lit), amounts, strict=True)
     ]
-    found = gpu.read_texture(beside)
-    np.testing.assert_allclose(gpu.read_texture(out), expected[0], atol=2e-3)
-    np.testing.assert_allclose(found[..., :3], expected[1][..., :3], atol=2e-3)
-    np.testing.assert_allclose(found[..., 3], expected[2][..., 0], atol=2e-3)
+    np.testing.assert_allclose(found[..., :3], expected[0][..., :3], atol=2e-3)
+    np.testing.assert_allclose(found[..., 3], expected[1][..., 0], atol=2e-3)
+
+
+def test_a_thin_blur_is_that_of_a_picture_of_half_the_size(renderer):
+    rng = np.random.default_rng(5)
+    source = rng.random((9, 17, 4)).astype(np.float16)
+    surface = random_surface(rng, 9, 17)
+    constants = {"HAS_SHADOW": False}
+    found = blurred_on_the_gpu(renderer, "thinly", constants, taps(3), surface, source, source)
+    half = source[::2, ::2].astype(float)
+    expected = blurred_by_hand(half, surface[::2, ::2], 3, 0.4, -0.2)
+    np.testing.assert_allclose(found[::2, ::2, :3], expected[..., :3], atol=2e-3)
+    assert not found[1::2].any() and not found[:, 1::2].any()
 
 
 def test_far_pixels_spread_as_a_gaussian_and_near_ones_stay(renderer):

@@ -12,9 +12,7 @@ struct Averaging {
 @group(2) @binding(3) var mean_before: texture_2d<f32>;
 @group(2) @binding(4) var mean: texture_storage_2d<rgba32float, write>;
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let here = seen(group, local);
+fn average_at(here: Seen) {
     if (here.outside || here.empty) {
         return;
     }
@@ -23,4 +21,14 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     // the first frame must not take over what earlier pictures left in the texture
     let mixed = select(mix(before, fresh, averaging.share), fresh, averaging.share >= 1.0);
     textureStore(mean, here.pixel, mixed);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    average_at(seen(group, local));
+}
+
+@compute @workgroup_size(8, 2)
+fn thinly(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    average_at(seen_thinly(group, local));
 }

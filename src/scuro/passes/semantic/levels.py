@@ -144,3 +144,11 @@ def depth_limit(frame: Frame) -> float:
     """Difference of depths, scene units, beyond which pixels show different surfaces."""
     settings: SemanticSettings = frame.settings.semantic
     return settings.blur_depth * distance_of(frame, settings)
+
+
+def edges_uniform(frame: Frame) -> dict[str, float]:
+    """Differences of depth, and products of normals, at which blurs see an edge."""
+    return {
+        "depth_limit": depth_limit(frame),
+        "normal_limit": frame.settings.semantic.blur_normal,
+    }

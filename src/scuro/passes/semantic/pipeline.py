@@ -1,7 +1,8 @@
 """The passes of the thesis, in order. Each leaves its buffer in the frame under the shader's name.
 
 ``regions`` (t and t + 1), ``calm_surface``, ``diffuse``, ``gathered`` (light, visibility),
-``bounce``, ``lit``, ``gathered_blurred``, ``bounce_blurred`` (bounce, shadow), and ``color``.
+``bounce`` (in one pixel of four), ``lit``, ``gathered_blurred`` (light, shadow),
+``bounce_blurred``, and ``color``.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from scuro.passes.semantic.levels import (
     atom_radius,
     depth_limit,
     distance_of,
+    edges_uniform,
     levels_uniform,
     place,
     region_table,
@@ -28,7 +30,6 @@ from scuro.scene.regions import BY_GROUP, Hierarchy
 from scuro.trace.table import float_table
 
 _EMPTY, _LIT = (0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0)
-_NO_BOUNCE = (0.0, 0.0, 0.0, 1.0)
 
 
 def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
@@ -44,27 +45,30 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     calm = {"surface": _calm(frame, settings)}
     frame.target("diffuse", "rgba16float", clear=_EMPTY)
     frame.compute_tiles("passes/semantic/direct.wgsl")
-    for name, nothing in (("gathered", _EMPTY), ("bounce", _NO_BOUNCE), ("lit", _LIT)):
+    for name, nothing in (("gathered", _EMPTY), ("bounce", _EMPTY), ("lit", _LIT)):
         frame.target(name, "rgba16float", clear=nothing)
     plain = settings.mode == "plain"
     near = 1.0 if plain else 1.0 - here.depth
     bounce = settings.bounce * (1.0 - here.depth)
     # faded out on the way in: single molecules would lie in the dark (thesis, chapter 5)
     shadow = 0.0 if plain else settings.shadow * here.depth
+    if bounce > 0:  # one of screen space in every mode
+        _bounce(frame, settings, bounce * near)
     if settings.mode == "traced":
-        # the bounce stays one of screen space
-        if bounce > 0:
-            _occlude(frame, settings, near, bounce)
         _trace(frame, settings, near, shadow)
     else:
-        _occlude(frame, settings, near, bounce)
+        _occlude(frame, settings, near)
         if shadow > 0:
             _shadow(frame, settings, shadow)
     frames = rested(frame)
     samples = settings.rays if settings.mode == "traced" else settings.samples
     light = smoothed(frame, calm, frames, samples, bounce=bounce > 0, shadow=shadow > 0)
     frame.sparse = frame.target("color", "rgba16float", clear=_EMPTY)
-    frame.compute_tiles("passes/semantic/combine.wgsl", light)
+    frame.compute_tiles(
+        "passes/semantic/combine.wgsl",
+        calm | light | {"combining": edges_uniform(frame)},
+        constants={"HAS_BOUNCE": bounce > 0},
+    )
 
 
 def _calm(frame: Frame, settings: SemanticSettings) -> Any:
@@ -89,25 +93,31 @@ def _calm(frame: Frame, settings: SemanticSettings) -> Any:
     return surface
 
 
-def _occlude(frame: Frame, settings: SemanticSettings, near: float, bounce: float) -> None:
+def _bounce(frame: Frame, settings: SemanticSettings, strength: float) -> None:
+    _halton(frame, settings.samples)
+    bounced = {
+        "samples": settings.samples,
+        "radius": settings.near_radius * atom_radius(frame),
+        "strength": strength,
+        "limit": frame.screen_reach,
+    }
+    frame.compute_tiles("passes/semantic/bounce.wgsl", {"bounced": bounced})
+
+
+def _occlude(frame: Frame, settings: SemanticSettings, near: float) -> None:
     _halton(frame, settings.samples)
     ssdo = {
         "samples": settings.samples,
         "near_radius": settings.near_radius * atom_radius(frame),
         "far_radius": settings.far_radius * distance_of(frame, settings),
         "strength": settings.strength,
-        "bounce": bounce,
         "near_weight": near,
         "limit": frame.screen_reach,
     }
     frame.compute_tiles(
         "passes/semantic/ssdo.wgsl",
         {"ssdo": ssdo},
-        constants={
-            "HAS_NEAR": near > 0,
-            "HAS_BOUNCE": near > 0 and bounce > 0,
-            "PLAIN": settings.mode == "plain",
-        },
+        constants={"HAS_NEAR": near > 0, "PLAIN": settings.mode == "plain"},
     )
 
 

@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 
 from scuro.passes.frame import Frame
-from scuro.passes.semantic.levels import depth_limit
+from scuro.passes.semantic.levels import edges_uniform
 from scuro.passes.semantic.settings import SemanticSettings
 
 ENOUGH = 512
 """So many samples need no blur."""
+THIN = 2
+"""The bounce is found in one of so many pixels along either side (seen.wgsl)."""
 _NOTHING = [(0.0, 0.0, 0.0, 0.0)]
 WIDE = 5
 """Radius from which on a blur takes one pixel in two; one in three from twice this."""
@@ -44,7 +46,7 @@ def smoothed(
     bounce: bool,
     shadow: bool,
 ) -> dict[str, Any]:
-    """``gathered`` and ``bounce``, averaged and blurred; the alpha of the latter is the shadow.
+    """``gathered`` and ``bounce``, averaged and blurred; the alpha of the former is the shadow.
 
     Args:
         frame: With the buffers ``gathered``, ``bounce`` and ``lit``.
@@ -55,21 +57,30 @@ def smoothed(
         shadow: Whether there is any.
     """
     settings: SemanticSettings = frame.settings.semantic
-    amounts = [
-        settings.blur_occlusion,
-        settings.blur_bounce * bounce,
-        settings.blur_shadow * shadow,
-    ]
+    left = 1.0
     if frame.history is not None:
-        for name, there in (("gathered", True), ("bounce", bounce), ("lit", shadow)):
-            if there:
-                _average(frame, calm, name, frames)
-        left = 1.0 - frames * samples / ENOUGH if frames > 1 else 1.0
-        amounts = [round(amount * math.sqrt(max(left, 0.0))) for amount in amounts]
-    return _blurred(frame, calm, [round(a * frame.px) for a in amounts], bounce, shadow)
+        _average(frame, calm, "gathered", frames)
+        if bounce:
+            _average(frame, calm, "bounce", frames, "thinly")
+        if shadow:
+            _average(frame, calm, "lit", frames)
+        left = math.sqrt(max(1.0 - frames * samples / ENOUGH, 0.0)) if frames > 1 else 1.0
+
+    def radius(amount: float) -> int:
+        return round(round(left * amount) * frame.px)
+
+    shadows = radius(settings.blur_shadow) if shadow else 0
+    light = taps(radius(settings.blur_occlusion), shadows)
+    found = {"gathered": _blurred(frame, calm, "gathered", light, shadow=shadow)}
+    if bounce:
+        thin = taps(round(radius(settings.blur_bounce) / THIN))
+        found["bounce"] = _blurred(frame, calm, "bounce", thin, "thinly")
+    return found
 
 
-def _average(frame: Frame, calm: dict[str, Any], name: str, frames: int) -> None:
+def _average(
+    frame: Frame, calm: dict[str, Any], name: str, frames: int, entry: str = "main"
+) -> None:
     before, mean = (
         frame.targets.get(
             f"{name} mean {(frames + k) % 2}", frame.size, "rgba32float", lasting=True
@@ -85,52 +96,34 @@ def _average(frame: Frame, calm: dict[str, Any], name: str, frames: int) -> None
             "mean_before": before,
             "mean": mean,
         },
+        entry=entry,
         label=f"average {name}",
     )
     frame.resources[name] = mean
 
 
 def _blurred(
-    frame: Frame, calm: dict[str, Any], amounts: list[int], bounce: bool, shadow: bool
-) -> dict[str, Any]:
-    """The buffers after Algorithm 3, along x and then along y.
-
-    ``amounts``: radii of occlusion, bounce and shadow, pixels.
-    """
-    light, beside = taps(*amounts[:1]), taps(*amounts[1:])
-    blur = {
-        "light_taps": len(light),
-        "beside_taps": len(beside),
-        "depth_limit": depth_limit(frame),
-        "normal_limit": frame.settings.semantic.blur_normal,
-        "light": light or _NOTHING,
-        "beside": beside or _NOTHING,
-    }
-    found = {name: frame.resources[name] for name in ("gathered", "bounce")}
+    frame: Frame,
+    calm: dict[str, Any],
+    name: str,
+    weights: list[tuple[float, ...]],
+    entry: str = "main",
+    *,
+    shadow: bool = False,
+) -> Any:
+    """A buffer after Algorithm 3, along x and then along y; ``shadow``: with ``lit`` as alpha."""
+    blur = edges_uniform(frame) | {"taps": len(weights), "weights": weights or _NOTHING}
+    source = frame.resources[name]
     for step, suffix in (((1, 0), "x"), ((0, 1), "blurred")):
-        before = found
-        found = {
-            name: frame.target(f"{name}_{suffix}", "rgba16float", clear=(0.0, 0.0, 0.0, 0.0))
-            for name in (before if bounce or shadow else ("gathered",))
-        }
+        blurred = frame.target(f"{name}_{suffix}", "rgba16float", clear=(0.0, 0.0, 0.0, 0.0))
         frame.compute_tiles(
             "passes/semantic/blur.wgsl",
-            calm
-            | {
-                "blur": blur | {"step": step},
-                "source": before["gathered"],
-                "source_beside": before["bounce"],
-                "blurred": found["gathered"],
-                "blurred_beside": found.get("bounce", found["gathered"]),
-            },
-            constants={
-                "HAS_BOUNCE": bounce,
-                "HAS_SHADOW": shadow,
-                "SHADOW_APART": suffix == "x",
-            },
+            calm | {"blur": blur | {"step": step}, "source": source, "blurred": blurred},
+            entry=entry,
+            constants={"HAS_SHADOW": shadow, "SHADOW_APART": suffix == "x"},
         )
-        found = {"bounce": before["bounce"]} | found
-    return found
+        source = blurred
+    return source
 
 
 def taps(*amounts: int) -> list[tuple[float, ...]]:
