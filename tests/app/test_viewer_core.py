@@ -284,6 +284,14 @@ def test_a_plane_that_faces_the_eye_rocks_like_a_ball(view, controls, clock):
         assert normal == pytest.approx(away * np.array([np.sin(1 / 3), 0, np.cos(1 / 3)]), abs=1e-3)
 
 
+def test_the_first_picture_of_another_file_is_small_for_it_may_take_long(view):
+    view.pacing.scale = 1.0
+    view.model.change(settings=view.model.settings.replace(antialias__method="none"))
+    assert view.pacing.scale == 1.0
+    view.model.open(SceneFile(input=(Input(path="sample:1tii"),)))
+    assert view.pacing.scale == SMALLEST
+
+
 def test_another_file_is_opened_without_what_was_set_of_the_first(view):
     from scuro.scene.clip import ClippingSettings
 

@@ -34,6 +34,10 @@ class Pacing:
         self.plain = False
         """Whether effects are left out, too: even the smallest picture takes too long with them."""
 
+    def begin(self) -> None:
+        """Another scene: what its pictures take is not known, and the first one must not be long."""
+        self.scale, self.plain = SMALLEST, False
+
     def measured(self, seconds: float) -> None:
         """Take note of how long the last moving picture took, at the present scale."""
         if seconds <= 0:

@@ -138,7 +138,10 @@ class View(Stance):
         """The model's scene, settings or clipping changed."""
         self.pacing.plain = False
         self.selection = [p for p in self.selection if p.item in self.model.scene.items]
+        place = self._place
         self.follow()
+        if self._place != place:
+            self.pacing.begin()
         if self._rough is not None:
             self._rough.close()  # of what is no more
             self._rough = None
