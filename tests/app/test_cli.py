@@ -199,3 +199,13 @@ def test_what_a_technique_leaves_open_is_told(tmp_path, capfd, technique, style,
     assert run([*arguments, "--style", style, "--occlusion", technique]) == 0
     said = f"'{technique}' occlusion does not darken cartoons and surfaces"
     assert (said in capfd.readouterr().err) == told
+
+
+@pytest.mark.parametrize("others", [(), ("sample:1hpv",)])
+def test_cues_that_volumes_do_not_show_are_told(tmp_path, capfd, others):
+    np.save(tmp_path / "ball.npy", np.arange(64, dtype=np.uint8).reshape(4, 4, 4))
+    call = ["render", str(tmp_path / "ball.npy"), *others, "--size", "32x24"]
+    for cues in (), ("--borders", "1", "--fog", "0.5"):
+        assert run([*call, *cues, "-o", str(tmp_path / "a.png")]) == 0
+        said = "borders and fog do nothing here" in capfd.readouterr().err
+        assert said == bool(cues and not others)

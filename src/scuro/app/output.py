@@ -14,6 +14,7 @@ import click
 if TYPE_CHECKING:
     from rich.progress import Progress
 
+    from scuro.render_settings import Settings
     from scuro.scene.scene import Scene
 
 _PATIENCE = 1.0
@@ -94,6 +95,23 @@ def tell_of_open_triangles(scene: Scene, technique: str) -> None:
         click.echo(
             f"scuro: '{technique}' occlusion does not darken cartoons and surfaces: "
             "'--occlusion hybrid' and 'ray' do",
+            err=True,
+        )
+
+
+def tell_of_idle_cues(scene: Scene, settings: Settings) -> None:
+    """Say so on standard error where depth cues find no surface to be drawn on."""
+    asked = {
+        "borders": settings.borders.width,
+        "halos": settings.halos.width,
+        "fog": settings.fog.strength,
+        "toon": settings.toon.steps,
+    }
+    idle = [name for name, value in asked.items() if value]
+    if idle and scene.volumes and not scene.bodies() and not scene.reservoirs:
+        click.echo(
+            f"scuro: {' and '.join(idle)} do nothing here: they are drawn on surfaces, and volumes "
+            "have none",
             err=True,
         )
 

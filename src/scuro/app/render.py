@@ -18,6 +18,7 @@ from scuro.app.output import (
     scene_counts,
     stage,
     tell_notes,
+    tell_of_idle_cues,
     tell_of_nothing,
     tell_of_open_triangles,
 )
@@ -91,6 +92,7 @@ def command(
     renderer, camera = _prepare(document, scene, device, clock)
     tell_notes(scene)
     tell_of_nothing(scene)
+    tell_of_idle_cues(scene, document.settings)
     tell_of_open_triangles(scene, document.settings.occlusion.technique)
     note = document.as_dict(Path(output).parent)
     parts = len(renderer.parts(document.settings))
