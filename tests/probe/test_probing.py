@@ -3,6 +3,7 @@
 import asyncio
 import itertools
 import json
+import threading
 import time
 from dataclasses import replace
 
@@ -15,10 +16,12 @@ from scuro.errors import LoadError, SettingsError
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.load import load
 from scuro.probe.probe import Probe, ProbeSettings, placed_atoms
+from scuro.probe.solver import compile_loops
 from scuro.render import Renderer
 from scuro.scene.scene import Scene
 from scuro.viewer.controls import Controls
 from scuro.viewer.handles import Handles
+from scuro.viewer.jobs import Jobs
 from scuro.viewer.model import Model
 from scuro.viewer.navigate import pixel_size, project
 from scuro.viewer.probing import Probing, stream_handler
@@ -33,9 +36,34 @@ def renderer():
 @pytest.fixture
 def probing(renderer):
     document = SceneFile(input=(Input(path="sample:1hpv"),), show=(Show(style="spacefill"),))
-    made = Probing(View(Model(document), renderer.sibling(), (64, 48)))
+    made = Probing(View(Model(document), renderer.sibling(), (64, 48)), Jobs())
+    compile_loops()
     assert made.key("p") and made.probe is not None
     return made
+
+
+def test_the_first_of_a_process_is_compiled_beside_the_pages(renderer, monkeypatch):
+    began, let = threading.Event(), threading.Event()
+    ready = [False]
+
+    def compile_slowly():
+        began.set()
+        assert let.wait(20)
+        ready[0] = True
+
+    monkeypatch.setattr("scuro.viewer.probing._is_compiled", lambda: ready[0])
+    monkeypatch.setattr("scuro.viewer.probing._compile", compile_slowly)
+    document = SceneFile(input=(Input(path="sample:1hpv"),), show=(Show(style="spacefill"),))
+    jobs = Jobs()
+    probing = Probing(View(Model(document), renderer.sibling(), (64, 48)), jobs)
+    assert probing.key("p") and probing.key("p"), "asked for twice while it is prepared"
+    assert len(jobs.waiting) == 1 and probing.probe is None
+    jobs.tick()
+    assert began.wait(20) and probing.probe is None, "a slice waited for the compiler"
+    let.set()
+    while jobs.waiting:
+        jobs.tick()
+    assert probing.probe is not None and not jobs.failed
 
 
 def test_it_starts_outside_the_atoms_and_keys_never_carry_it_in(probing):

@@ -40,6 +40,17 @@ class Grid:
     items: NDArray[np.int32]
 
 
+def is_compiled() -> bool:
+    """Whether the inner loops can run at once."""
+    return bool(move.signatures)
+
+
+def compile_loops() -> None:
+    """Compile the inner loops, or read what was compiled before: seconds the first time ever."""
+    if not is_compiled():
+        Constraint(np.zeros((1, 3)), np.ones(1), 1.0).moved((4, 0, 0), (0, 0, 0))
+
+
 def build_grid(centers: NDArray, radii: NDArray) -> Grid:
     """Sort spheres (n, 3) and (n,) into cells about as large as the median sphere's radius."""
     centers = np.ascontiguousarray(centers, np.float64).reshape(-1, 3)

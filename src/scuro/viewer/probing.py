@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -14,8 +15,10 @@ from numpy.typing import NDArray
 
 from scuro.errors import SettingsError
 from scuro.probe.probe import Probe, ProbeSettings
+from scuro.steps import in_thread
 from scuro.viewer import navigate
 from scuro.viewer.eyes import Eye
+from scuro.viewer.jobs import Jobs, Work
 from scuro.viewer.navigate import Size
 from scuro.viewer.view import View
 
@@ -31,6 +34,7 @@ _LONGEST = 110.0
 """Pixels of an arrow, however strong the force."""
 _BALL, _SHINE, _RIM = 0x70D09040, 0x24FFE8D0, 0xFF703818
 _HAND, _ARROW, _PATH, _RIM_OF_PATH = 0xFF2020C0, 0xFF2020E0, 0xFFB06020, 0xC8F4EEE8
+_COMPILING = "preparing the probe"
 _KEYS = {
     "ArrowLeft": (-1, 0, 0),
     "ArrowRight": (1, 0, 0),
@@ -42,11 +46,32 @@ _KEYS = {
 """Right, up and toward the eye."""
 
 
-class Probing:
-    """One view's hand on the model's probe, which all views share."""
+def _is_compiled() -> bool:
+    # importing the solver imports numba, which alone takes a second
+    solver = sys.modules.get("scuro.probe.solver")
+    return solver is not None and solver.is_compiled()
 
-    def __init__(self, view: View, clock: Callable[[], float] = time.perf_counter) -> None:
+
+def _compile() -> None:
+    from scuro.probe.solver import compile_loops
+
+    compile_loops()
+
+
+class Probing:
+    """One view's hand on the model's probe, which all views share.
+
+    Args:
+        view: Where it is moved and seen.
+        jobs: Where its loops are compiled, before the first probe of a process.
+        clock: Seconds.
+    """
+
+    def __init__(
+        self, view: View, jobs: Jobs, clock: Callable[[], float] = time.perf_counter
+    ) -> None:
         self.view = view
+        self._jobs = jobs
         self._clock = clock
         self._wanted = ProbeSettings()
         self._replay: list[list[float]] = []
@@ -65,14 +90,28 @@ class Probing:
         return self._wanted if self.probe is None else self.probe.settings
 
     def toggle(self) -> None:
-        """Put a probe where the camera looks, onto the atoms there, or take it away."""
+        """Put a probe where the camera looks, onto the atoms there, or take it away.
+
+        The first of a process comes when its loops are compiled, beside the pages.
+        """
         model = self.view.model
         if model.probe is not None:
             self._wanted = model.probe.settings
             model.set_probe(None)
-        else:
-            camera = self.view.camera
-            model.set_probe(self._wanted, camera.target, navigate.viewpoint(camera))
+        elif _is_compiled():
+            self._put()
+        elif not any(job.title == _COMPILING for job in self._jobs.waiting):
+            self._jobs.add(_COMPILING, self._put_compiled())
+
+    def _put(self) -> None:
+        camera = self.view.camera
+        self.view.model.set_probe(self._wanted, camera.target, navigate.viewpoint(camera))
+
+    def _put_compiled(self) -> Work:
+        yield from in_thread(_compile)
+        if self.probe is None:
+            self._put()
+        return ""
 
     def change(self, settings: ProbeSettings) -> None:
         """Take other settings."""

@@ -18,6 +18,7 @@ from scuro.viewer.eyes import Eye
 from scuro.viewer.glasses import Glasses
 from scuro.viewer.gui import Gui
 from scuro.viewer.handles import Handles
+from scuro.viewer.jobs import Jobs
 from scuro.viewer.marks import draw_marks
 from scuro.viewer.model import Model
 from scuro.viewer.names import Names
@@ -73,11 +74,14 @@ class Screen:
         self.gpu = renderer.gpu
         self.view = View(model, renderer.sibling(), (64, 48))
         self.handles = Handles(self.view)
-        self.probing = Probing(self.view)
+        jobs = Jobs()
+        self.probing = Probing(self.view, jobs)
         self.controls = Controls(self.view, self.handles, self.probing)
         self.gui = Gui(self.gpu, format)
         self.glasses = Glasses(self.gpu, format)
-        self.panel = Panel(self.view, self.handles, self.probing, deliver, listing, elsewhere, told)
+        self.panel = Panel(
+            self.view, self.handles, self.probing, jobs, deliver, listing, elsewhere, told
+        )
         self.play_bar = PlayBar(self.view)
         self.names = Names(self.view, time.perf_counter)
         self.controls.key_hook = self.panel.key

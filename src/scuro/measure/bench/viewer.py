@@ -203,8 +203,12 @@ async def _once(page: Any, wait: float) -> None:
 async def _updates(session: Any, address: str) -> float:
     """Positions sent and forces received a second, one after another, as a device does."""
     async with session.ws_connect(address + "probe") as socket:
-        await socket.send_str("{}")
-        x, y, z = (await socket.receive_json())["position"]
+        state: dict[str, Any] = {}
+        while "position" not in state:  # the first probe waits for its loops to be compiled
+            await asyncio.sleep(0.1)
+            await socket.send_str("{}")
+            state = await socket.receive_json()
+        x, y, z = state["position"]
         start = time.perf_counter()
         for step in range(_UPDATES):
             place = [x + 8 * (step / _UPDATES), y + (step % 40) / 10, z]

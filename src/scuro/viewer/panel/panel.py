@@ -33,6 +33,7 @@ class Panel:
         view: The view it sets.
         handles: Of its clipping planes.
         probing: Its hand on the probe.
+        jobs: Long works, which are shown and can be stopped.
         deliver: Where pictures and scene files go; see :class:`scuro.viewer.screen.Screen`.
         listing: Files to offer for opening.
         elsewhere: Whether files leave this machine: their paths are then absolute.
@@ -44,6 +45,7 @@ class Panel:
         view: View,
         handles: Handles,
         probing: Probing,
+        jobs: Jobs,
         deliver: Deliver,
         listing: Callable[[], list[str]],
         elsewhere: bool = False,
@@ -52,7 +54,7 @@ class Panel:
         self.view = view
         self._told = told
         self._probing = probing
-        self.jobs = Jobs()
+        self.jobs = jobs
         self.saving = Saving(view, self.jobs, deliver, elsewhere)
         self._groups = Groups(view)
         self._files = Files(self._groups, self.saving, listing)
