@@ -43,6 +43,8 @@ fn integrate(pixel: vec2u) -> Result {
     var k = piece.y;
     var front = Station(0.0, 0.0, 0u, vec4f(0.0));
     var known = false;
+    // whether the segment before was
+    var clear = true;
     var shaded = 0u;
     piece.y = ENDED;
     loop {
@@ -52,9 +54,10 @@ fn integrate(pixel: vec2u) -> Result {
         var depth = 0.0;
         loop {
             // leaps alone first: they need no sample. They stay on the ray's own lattice, so that
-            // they do not change the picture, and end on its last place in the empty space
+            // they do not change the picture, and end on its last place in the empty space. Matter
+            // is not asked for emptiness: what follows it is taken for more until it is clear
             var t = front_of(k, span.near, lattice);
-            var hops = 1.0;
+            var hops = select(0.0, 1.0, clear);
             for (; hops > 0.0 && t < end;) {
                 let leap = empty_length((origin + t * direction) * volume.size, inverse);
                 hops = max(floor(leap / volume.step - 0.001), 0.0);
@@ -76,6 +79,7 @@ fn integrate(pixel: vec2u) -> Result {
                 break;
             }
             front = back;
+            clear = true;
             k += 1.0;
         }
         if (depth <= 0.0) {
@@ -99,6 +103,7 @@ fn integrate(pixel: vec2u) -> Result {
             break;
         }
         front = back;
+        clear = false;
         k += 1.0;
         if (PIECE > 0u) {
             shaded += 1u;
