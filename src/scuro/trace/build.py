@@ -97,8 +97,7 @@ class _Sorter:
             self._run(f"count_{entry}", **(step() if callable(step) else step))
             yield 0.4 * (number + 1) / len(steps)
         lengths = gpu.read_buffer(resources["counts"], np.uint32)[:cells]
-        yield 0.4
-        starts, total = yield from in_thread(lambda: _summed(lengths, base))
+        starts, total = yield from scaled(in_thread(lambda: _summed(lengths, base)), 0.4, 0.5)
         yield 0.5
         resources["refs"] = gpu.buffer(padded_bytes(first + total), label="grid references")
         for start in range(0, cells, _WRITTEN):
@@ -134,8 +133,8 @@ class _Sorter:
         )
         # an empty cell tells where nothing lies ahead, another where its list begins
         empty = lengths == 0
-        yield 0.9
-        clear = yield from in_thread(lambda: _clear_directions(plan.grids[: plan.over], empty))
+        finding = in_thread(lambda: _clear_directions(plan.grids[: plan.over], empty))
+        clear = yield from scaled(finding, 0.9, 1.0)
         gpu.write_buffer(self.resources["refs"], np.where(empty, _EMPTY | clear, starts))
         return self.resources["refs"]
 
@@ -172,10 +171,8 @@ class _Sorter:
             steps.append(visit)
             yield 0.0
         _, lengths = yield from scaled(self._sort("primitives", steps, cells, cells, 0), 0.0, 0.6)
-        yield 0.6
-        clear = yield from in_thread(
-            lambda: _clear_directions(plan.grids[plan.over :], lengths == 0)
-        )
+        finding = in_thread(lambda: _clear_directions(plan.grids[plan.over :], lengths == 0))
+        clear = yield from scaled(finding, 0.6, 0.7)
         total = cells + int(lengths.sum(dtype=np.int64))
         walked = empty_table(gpu, total, "rgba32uint", "grid entries")
         copied = {

@@ -35,7 +35,7 @@ class Pacing:
         """Whether effects are left out, too: even the smallest picture takes too long with them."""
 
     def begin(self) -> None:
-        """Another scene: what its pictures take is not known, and the first one must not be long."""
+        """Another scene: its pictures may take long, and the first one must not."""
         self.scale, self.plain = SMALLEST, False
 
     def measured(self, seconds: float) -> None:
