@@ -129,16 +129,11 @@ def _blurred(
 def taps(*amounts: int) -> list[tuple[float, ...]]:
     """Distances in pixels of what a blur takes on either side, with the weight for each radius.
 
-    Those of the widest radius serve all: a Gaussian each, of its own width. Radii of five pixels
-    and more leave out every second pixel, of ten two in three, and so on: none takes more than
-    five.
+    Radii of five pixels and more leave out every second pixel, of ten two in three, and so on: no
+    radius takes more than five.
     """
-    widest = max(amounts)
-    distances = range(1, widest + 1, 1 + widest // WIDE)
-    weights = [
-        [math.exp(-((i / (1.5 * amount)) ** 2)) if amount else 0.0 for amount in amounts]
-        for i in distances
-    ]
-    return [
-        (float(i), *row, *[0.0] * (3 - len(row))) for i, row in zip(distances, weights, strict=True)
-    ]
+    weights: dict[int, list[float]] = {}
+    for which, amount in enumerate(amounts):
+        for i in range(1, amount + 1, 1 + amount // WIDE):
+            weights.setdefault(i, [0.0] * 3)[which] = math.exp(-((i / (1.5 * amount)) ** 2))
+    return [(float(i), *weights[i]) for i in sorted(weights)]
