@@ -35,21 +35,16 @@ class Program:
         """One bind group for each ``@group``, from resources by name."""
         groups = []
         for index, layout in enumerate(self._layouts):
-            entries, held = [], []
-            for binding in self.source.bindings:
-                if binding.group != index:
-                    continue
-                if binding.name not in resources:
-                    raise ShaderError(
-                        self.source.file, None, f"nothing is bound to '{binding.name}'"
-                    )
-                resource = self._resource(gpu, binding, resources[binding.name])
-                entries.append({"binding": binding.slot, "resource": resource[1]})
-                held.append(resource[0])
+            bindings = [b for b in self.source.bindings if b.group == index]
+            held = [self._resource(gpu, binding, resources) for binding in bindings]
             key = (index, *map(id, held))
             if key not in self._groups:
                 if len(self._groups) > 64:
                     self._groups.clear()
+                entries = [
+                    {"binding": binding.slot, "resource": _bound(binding, value)}
+                    for binding, value in zip(bindings, held, strict=True)
+                ]
                 group = gpu.device.create_bind_group(layout=layout, entries=entries)
                 self._groups[key] = (group, [weakref.ref(h, self._forget(key)) for h in held])
             groups.append(self._groups[key][0])
@@ -65,19 +60,25 @@ class Program:
 
         return forget
 
-    def _resource(self, gpu: Gpu, binding: Any, value: Any) -> tuple[Any, Any]:
+    def _resource(self, gpu: Gpu, binding: Any, resources: Mapping[str, Any]) -> Any:
+        if binding.name not in resources:
+            raise ShaderError(self.source.file, None, f"nothing is bound to '{binding.name}'")
+        value = resources[binding.name]
         if binding.space == "uniform" and isinstance(value, Mapping):
             kind = self.source.structs.get(binding.type.strip())
             if kind is None:
                 raise ShaderError(
                     self.source.file, None, f"uniform '{binding.name}' must be a struct of numbers"
                 )
-            value = gpu.uniform(pack(kind, value, self.source.file, binding.name))
-        if binding.space:
-            return value, {"buffer": value, "offset": 0, "size": value.size}
-        if hasattr(value, "create_view"):
-            return value, _view(value, binding.type)
-        return value, value
+            return gpu.uniform(pack(kind, value, self.source.file, binding.name))
+        return value
+
+
+def _bound(binding: Any, value: Any) -> Any:
+    """What a bind group takes for a buffer, texture, view or sampler."""
+    if binding.space:
+        return {"buffer": value, "offset": 0, "size": value.size}
+    return _view(value, binding.type) if hasattr(value, "create_view") else value
 
 
 def _view(texture: Any, type: str) -> Any:
@@ -100,6 +101,7 @@ class Programs:
         self._device = device
         self._modules: weakref.WeakValueDictionary[str, Any] = weakref.WeakValueDictionary()
         self._layouts: dict[tuple, Any] = {}
+        self._of_sources: dict[tuple[str, bool], list[Any]] = {}
         self._programs: OrderedDict[tuple, Program] = OrderedDict()
         self._patience = threading.local()
         self._coming: dict[tuple, Future[Program]] = {}
@@ -230,6 +232,12 @@ class Programs:
         return module
 
     def _bind_layouts(self, source: Source, *, compute: bool) -> list[Any]:
+        key = (source.text, compute)
+        if key not in self._of_sources:
+            self._of_sources[key] = self._new_layouts(source, compute)
+        return self._of_sources[key]
+
+    def _new_layouts(self, source: Source, compute: bool) -> list[Any]:
         import wgpu
 
         stage = wgpu.ShaderStage.COMPUTE
