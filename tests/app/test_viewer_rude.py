@@ -15,10 +15,10 @@ from scuro.errors import SettingsError
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.load.options import LoadOptions
 from scuro.probe.probe import ProbeSettings
+from scuro.probe.stream import stream_handler
 from scuro.viewer import access, listening, server
 from scuro.viewer.access import Access, Files
 from scuro.viewer.model import Model
-from scuro.viewer.probing import stream_handler
 
 aiohttp = pytest.importorskip("aiohttp", reason="needs the viewer extra")
 

@@ -178,7 +178,7 @@ def test_probe_messages_that_are_all_there_are_answered_in_turn_with_others(mode
     """Without waiting for a network between them: only the turn that each gives lets others run."""
     pytest.importorskip("numba", reason="needs the viewer extra")
     from scuro.probe.probe import ProbeSettings
-    from scuro.viewer.probing import stream_handler
+    from scuro.probe.stream import stream_handler
 
     model.set_probe(ProbeSettings(light=False))
 
@@ -218,7 +218,7 @@ def test_probe_messages_that_are_all_there_are_answered_in_turn_with_others(mode
 def test_a_program_that_floods_the_probe_leaves_pages_their_turn(renderer, model):
     pytest.importorskip("numba", reason="needs the viewer extra")
     from scuro.probe.probe import ProbeSettings
-    from scuro.viewer.probing import stream_handler
+    from scuro.probe.stream import stream_handler
 
     model.set_probe(ProbeSettings(light=False))
 

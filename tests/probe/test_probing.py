@@ -17,6 +17,7 @@ from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.load import load
 from scuro.probe.probe import Probe, ProbeSettings, placed_atoms
 from scuro.probe.solver import compile_loops
+from scuro.probe.stream import stream_handler
 from scuro.render import Renderer
 from scuro.scene.scene import Scene
 from scuro.viewer.controls import Controls
@@ -24,7 +25,7 @@ from scuro.viewer.handles import Handles
 from scuro.viewer.jobs import Jobs
 from scuro.viewer.model import Model
 from scuro.viewer.navigate import pixel_size, project
-from scuro.viewer.probing import Probing, stream_handler
+from scuro.viewer.probing import Probing
 from scuro.viewer.view import View
 
 

@@ -29,10 +29,10 @@ def command(
     printed, with its token. Stop with Ctrl+C.
     """
     from scuro.load.source import confined
+    from scuro.probe.stream import stream_handler
     from scuro.render import Renderer
     from scuro.viewer.access import Access, Files
     from scuro.viewer.model import Model
-    from scuro.viewer.probing import stream_handler
     from scuro.viewer.screen import Screen
     from scuro.viewer.server import Server, need_web, run
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-import json
 import math
 import sys
 import time
@@ -13,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.errors import SettingsError
 from scuro.probe.probe import Probe, ProbeSettings
 from scuro.steps import in_thread
 from scuro.viewer import navigate
@@ -285,42 +282,3 @@ def _ball(paper: Any, middle: Size, radius: float) -> None:
         spot = (x - 0.3 * radius * (1 - share), y - 0.35 * radius * (1 - share))
         paper.add_circle_filled(spot, radius * share, _SHINE, 48)
     paper.add_circle(middle, radius, _RIM, 48, 1.5)
-
-
-def stream_handler(model: Any) -> Callable[[Any], Any]:
-    """Offer the probe to another program over a WebSocket.
-
-    Each message ``{"target": [x, y, z]}`` moves the hand; the answer is :meth:`Probe.state`. An
-    empty object asks without moving.
-    """
-
-    async def handle(socket: Any) -> None:
-        shown = 0.0
-        async for message in socket:
-            try:
-                if model.probe is None:
-                    raise SettingsError("there is no probe in the scene")
-                values = json.loads(message.data)
-                if not isinstance(values, dict):
-                    raise ValueError
-                target = values.get("target")
-                if target is not None:
-                    place = np.array(target, np.float64)
-                    if place.shape != (3,) or not np.isfinite(place).all():
-                        raise ValueError
-                    model.probe.move(place)
-                    # a device moves a thousand times a second; pictures need a sixtieth of that
-                    if time.perf_counter() - shown > 1 / 60:
-                        shown = time.perf_counter()
-                        model.tell()
-                answer = model.probe.state()
-            except SettingsError as error:
-                answer = {"error": str(error)}
-            except (ValueError, TypeError, OverflowError, RecursionError):
-                answer = {"error": 'send {"target": [x, y, z]} in ångström'}
-            await socket.send_str(json.dumps(answer))
-            await asyncio.sleep(0)  # one that sends without end leaves others their turn
-        if model.probe is not None:
-            model.tell()
-
-    return handle
