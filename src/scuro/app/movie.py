@@ -11,7 +11,15 @@ import click
 from scuro.app.cli import INTERRUPTED
 from scuro.app.document import take_document, with_document
 from scuro.app.options import SettingsCommand, take_changes, with_settings
-from scuro.app.output import print_json, progress, stage, tell_notes, tell_of_nothing
+from scuro.app.output import (
+    print_json,
+    progress,
+    stage,
+    tell_notes,
+    tell_of_idle_cues,
+    tell_of_nothing,
+    tell_of_open_triangles,
+)
 from scuro.export.motion import MovieSettings
 
 
@@ -44,6 +52,8 @@ def command(output: str, device: str | None, as_json: bool, **values: Any) -> No
     with stage(f"reading {', '.join(Path(line.path).name for line in document.input)}"):
         motion = Motion(document, movie)
     tell_notes(motion.scene)
+    tell_of_idle_cues(motion.scene, document.settings)
+    tell_of_open_triangles(motion.scene, document.settings.occlusion.technique)
     some = (motion.at(number).scene for number in (0, motion.length // 2, motion.length - 1))
     if not any(map(clip_keeps, some)):
         tell_of_nothing(motion.scene)
