@@ -45,8 +45,9 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     calm = {"surface": _calm(frame, settings)}
     frame.target("diffuse", "rgba16float", clear=_EMPTY)
     frame.compute_tiles("passes/semantic/direct.wgsl")
-    for name, nothing in (("gathered", _EMPTY), ("bounce", _EMPTY), ("lit", _LIT)):
-        frame.target(name, "rgba16float", clear=nothing)
+    for name in ("gathered", "bounce"):
+        frame.target(name, "rgba16float", clear=_EMPTY)
+    frame.target("lit", "r32float", clear=_LIT)
     plain = settings.mode == "plain"
     near = 1.0 if plain else 1.0 - here.depth
     bounce = settings.bounce * (1.0 - here.depth)

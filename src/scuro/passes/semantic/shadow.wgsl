@@ -22,7 +22,7 @@ struct Shadow {
 @group(2) @binding(2) var<uniform> shadow: Shadow;
 @group(2) @binding(3) var<uniform> lights: Lights;
 // 1 = lit
-@group(2) @binding(4) var lit: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(4) var lit: texture_storage_2d<r32float, write>;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {

@@ -22,7 +22,7 @@ struct Rays {
 @group(2) @binding(1) var<uniform> rays: Rays;
 @group(2) @binding(4) var ids: texture_2d<u32>;
 // as in shadow.wgsl
-@group(2) @binding(5) var lit: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(5) var lit: texture_storage_2d<r32float, write>;
 
 override HAS_NEAR: bool = true;
 override HAS_SHADOW: bool = true;
