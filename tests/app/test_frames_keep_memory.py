@@ -102,6 +102,26 @@ def test_frames_of_another_size_find_an_empty_pool(renderer):
     assert pool.get("known", (32, 32), "r32float", lasting=True) is known
 
 
+def test_history_of_what_is_off_is_freed(renderer):
+    pool = TargetPool(renderer.gpu)
+    inner = pool.table("layer", 0, lambda: TargetPool(renderer.gpu))
+
+    def frame(*used):
+        pool.begin((32, 32))
+        return [p.get(name, (32, 32), "r32float", lasting=True) for p, name in used]
+
+    on, layered = frame((pool, "on"), (inner, "off"))
+    refs = [weakref.ref(thing) for thing in (*frame((pool, "off")), layered)]
+    del layered
+    for _ in range(3):
+        assert frame((pool, "on")) == [on]
+    assert all(ref() for ref in refs), "freed at once: a person may switch it on again"
+    for _ in range(10):
+        assert frame((pool, "on")) == [on]
+    assert not any(ref() for ref in refs)
+    assert pool.bytes == 4 * 32 * 32
+
+
 def test_free_pieces_are_given_back():
     used()
     library = ctypes.CDLL(None)

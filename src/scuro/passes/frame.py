@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from scuro.scene.geometry import Body
 
 
+_IDLE = 8
+"""Frames after which a lasting texture that none of them used is freed: its technique is off."""
+
+
 class TargetPool:
     """Textures kept between frames by name, size and format."""
 
@@ -27,32 +31,47 @@ class TargetPool:
         self._gpu = gpu
         self._size: tuple[int, int] | None = None
         self._held: dict[str, tuple[tuple, Any]] = {}
-        self._lasting: set[str] = set()
+        self._lasting: dict[str, int] = {}
+        self._frames = 0
         self.frame: Frame | None = None
         """The last frame that drew into these textures: what they hold is its."""
         self._buffers: dict[str, tuple[tuple, Any]] = {}
         self._tables: dict[str, tuple[Any, Any]] = {}
 
     def begin(self, size: tuple[int, int]) -> None:
-        """A frame of this size begins: free the textures that one of another size left.
+        """A frame of this size begins: free the textures that one of another size left, and lasting
+        ones that are no longer used.
 
         Made anew one by one, small ones would settle in the gaps between large ones, and keep the
         blocks of memory that those were in. What the frame does not use would stay for ever.
         """
-        if size == self._size:
-            return
-        self._size, self.frame = size, None
-        if self._clear():
+        freed = self._age()
+        if size != self._size:
+            self._size, self.frame = size, None
+            freed |= self._clear()
+        if freed:
             self._gpu.release()
+
+    @property
+    def _pools(self) -> list[TargetPool]:
+        return [value for _, value in self._tables.values() if isinstance(value, TargetPool)]
+
+    def _age(self) -> bool:
+        """Forget lasting textures that were idle too long; says whether there were any."""
+        self._frames += 1
+        idle = [name for name, used in self._lasting.items() if self._frames - used > _IDLE]
+        for name in idle:
+            del self._lasting[name], self._held[name]
+        inner = [pool._age() for pool in self._pools]
+        return bool(idle) or any(inner)
 
     def _clear(self) -> bool:
         """Forget all but what has to last; says whether there was anything."""
-        forgotten = self._held.keys() - self._lasting
+        forgotten = self._held.keys() - self._lasting.keys()
         for name in forgotten:
             del self._held[name]
         self._buffers.clear()
-        pools = [value for _, value in self._tables.values() if isinstance(value, TargetPool)]
-        inner = [pool._clear() for pool in pools]
+        inner = [pool._clear() for pool in self._pools]
         return bool(forgotten) or any(inner)
 
     def get(
@@ -65,10 +84,10 @@ class TargetPool:
     ) -> Any:
         """The texture of that name, made anew if size or format changed.
 
-        A ``lasting`` one outlives frames of other sizes.
+        A ``lasting`` one outlives frames of other sizes, but no more than a few that do not use it.
         """
         if lasting:
-            self._lasting.add(name)
+            self._lasting[name] = self._frames
         key = (*size, format, attachment)
         held = self._held.get(name)
         if held is None or held[0] != key:
@@ -102,8 +121,7 @@ class TargetPool:
             int(np.prod(key[:-2])) * texel.get(key[-2], 16 if "32" in key[-2] else 8)
             for key, _ in self._held.values()
         )
-        pools = (value for _, value in self._tables.values() if isinstance(value, TargetPool))
-        return own + sum(pool.bytes for pool in pools)
+        return own + sum(pool.bytes for pool in self._pools)
 
 
 @dataclass(eq=False)
