@@ -102,13 +102,14 @@ def test_frames_of_another_size_find_an_empty_pool(renderer):
     assert pool.get("known", (32, 32), "r32float", lasting=True) is known
 
 
-def test_history_of_what_is_off_is_freed(renderer):
+@pytest.mark.parametrize("lasting", [False, True])
+def test_textures_of_what_is_off_are_freed(renderer, lasting):
     pool = TargetPool(renderer.gpu)
     inner = pool.table("layer", 0, lambda: TargetPool(renderer.gpu))
 
     def frame(*used):
         pool.begin((32, 32))
-        return [p.get(name, (32, 32), "r32float", lasting=True) for p, name in used]
+        return [p.get(name, (32, 32), "r32float", lasting=lasting) for p, name in used]
 
     on, layered = frame((pool, "on"), (inner, "off"))
     refs = [weakref.ref(thing) for thing in (*frame((pool, "off")), layered)]

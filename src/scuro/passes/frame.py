@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 _IDLE = 8
-"""Frames after which a lasting texture that none of them used is freed: its technique is off."""
+"""Frames after which a texture that none of them used is freed: its technique is off."""
 
 
 class TargetPool:
@@ -31,7 +31,8 @@ class TargetPool:
         self._gpu = gpu
         self._size: tuple[int, int] | None = None
         self._held: dict[str, tuple[tuple, Any]] = {}
-        self._lasting: dict[str, int] = {}
+        self._lasting: set[str] = set()
+        self._used: dict[str, int] = {}
         self._frames = 0
         self.frame: Frame | None = None
         """The last frame that drew into these textures: what they hold is its."""
@@ -39,8 +40,8 @@ class TargetPool:
         self._tables: dict[str, tuple[Any, Any]] = {}
 
     def begin(self, size: tuple[int, int]) -> None:
-        """A frame of this size begins: free the textures that one of another size left, and lasting
-        ones that are no longer used.
+        """A frame of this size begins: free the textures that one of another size left, and those
+        that are no longer used.
 
         Made anew one by one, small ones would settle in the gaps between large ones, and keep the
         blocks of memory that those were in. What the frame does not use would stay for ever.
@@ -57,17 +58,17 @@ class TargetPool:
         return [value for _, value in self._tables.values() if isinstance(value, TargetPool)]
 
     def _age(self) -> bool:
-        """Forget lasting textures that were idle too long; says whether there were any."""
+        """Forget textures that were idle too long; says whether there were any."""
         self._frames += 1
-        idle = [name for name, used in self._lasting.items() if self._frames - used > _IDLE]
+        idle = [name for name in self._held if self._frames - self._used[name] > _IDLE]
         for name in idle:
-            del self._lasting[name], self._held[name]
+            del self._held[name]
         inner = [pool._age() for pool in self._pools]
         return bool(idle) or any(inner)
 
     def _clear(self) -> bool:
         """Forget all but what has to last; says whether there was anything."""
-        forgotten = self._held.keys() - self._lasting.keys()
+        forgotten = self._held.keys() - self._lasting
         for name in forgotten:
             del self._held[name]
         self._buffers.clear()
@@ -84,10 +85,12 @@ class TargetPool:
     ) -> Any:
         """The texture of that name, made anew if size or format changed.
 
-        A ``lasting`` one outlives frames of other sizes, but no more than a few that do not use it.
+        A ``lasting`` one outlives frames of other sizes; none outlives more than a few that do not
+        use it.
         """
         if lasting:
-            self._lasting[name] = self._frames
+            self._lasting.add(name)
+        self._used[name] = self._frames
         key = (*size, format, attachment)
         held = self._held.get(name)
         if held is None or held[0] != key:
