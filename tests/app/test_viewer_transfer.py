@@ -14,6 +14,7 @@ from scuro.scene.volume import Volume
 from scuro.viewer.model import Model
 from scuro.viewer.panel import transfer_editor
 from scuro.viewer.screen import Screen
+from scuro.viewer.under import words_at
 
 SIZE = (700.0, 900.0)
 
@@ -148,3 +149,10 @@ def test_opaque_cells_have_no_opacity_to_drag_and_undo_brings_the_line_back(rend
     send()
     assert found["places"] == before and model.settings.reservoir.opacity == ""
     screen.close()
+
+
+def test_nothing_is_under_the_pointer_while_a_colormap_is_half_typed(screen):
+    model, view = screen.model, screen.view
+    assert words_at(view, 0.5, 0.5)
+    model.change(settings=model.settings.replace(volume__transfer="uto"))
+    assert words_at(view, 0.5, 0.5) == ""

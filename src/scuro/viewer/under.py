@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from scuro.errors import ScuroError
 from scuro.scene.reservoir import ReservoirItem
 from scuro.viewer import navigate
 from scuro.viewer.cell import cell_at, cell_sentence
@@ -48,6 +49,13 @@ def depth_at(view: View, x: float, y: float) -> float:
 
 def _inside(view: View, x: float, y: float) -> Any:
     """The voxel or cell that is seen there: its item, and its index, value and depth."""
+    try:
+        return _found_inside(view, x, y)
+    except ScuroError:  # such as the name of a colormap, half typed: drawing says so
+        return None
+
+
+def _found_inside(view: View, x: float, y: float) -> Any:
     model, (width, height) = view.model, view.size
     eye = eye_at(view.eyes(view.size), x * width)
     camera, size, pixel = eye.camera, eye.size, eye.on_axis((x * width, y * height))
