@@ -18,7 +18,7 @@ from scuro.passes.compose.context import draw_context
 from scuro.passes.compose.lighting import with_implied
 from scuro.passes.compose.shade import encode, shade
 from scuro.passes.filter.temporal import History
-from scuro.passes.frame import Frame, TargetPool
+from scuro.passes.frame import Frame
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.occlusion import draw_occlusion, prepare_occlusion
 from scuro.passes.part import Part
@@ -33,6 +33,7 @@ from scuro.passes.semantic.pipeline import shade_semantic
 from scuro.passes.semantic.recolor import color_by_level, object_colors
 from scuro.passes.semantic.still import draw_still
 from scuro.passes.shadow.shadow import draw_shadows, prepare_shadows
+from scuro.passes.targets import TargetPool
 from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.passes.volume.frame import Volumes
 from scuro.reference.path import PathTracer

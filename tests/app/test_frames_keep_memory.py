@@ -10,7 +10,7 @@ from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.gpu.program import Programs
 from scuro.heap import give_back, held
 from scuro.measure.memory import resident_mb
-from scuro.passes.frame import TargetPool
+from scuro.passes.targets import TargetPool
 from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.clip import Clip, Plane

@@ -8,7 +8,8 @@ import pytest
 
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.passes import pieces
-from scuro.passes.frame import Frame, TargetPool
+from scuro.passes.frame import Frame
+from scuro.passes.targets import TargetPool
 from scuro.render_settings import Settings
 from scuro.viewer.drawing import Drawing
 from scuro.viewer.model import Model

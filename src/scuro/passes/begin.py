@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from scuro.gpu import Gpu
 from scuro.passes.compose.lighting import lighting_of, lights_uniform
-from scuro.passes.frame import Frame, TargetPool, view_uniform
+from scuro.passes.frame import Frame, view_uniform
 from scuro.passes.part import Part
 from scuro.passes.post.stereo import eye_camera, eye_size
+from scuro.passes.targets import TargetPool
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.lights import DIRECTIONAL

@@ -13,9 +13,10 @@ from dataclasses import replace
 import numpy as np
 
 from scuro.passes.compose.shade import shade
-from scuro.passes.frame import Frame, TargetPool
+from scuro.passes.frame import Frame
 from scuro.passes.geometry.tiles import find_tiles
 from scuro.passes.geometry.visibility import draw_visibility
+from scuro.passes.targets import TargetPool
 from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.reference.path import path_key
 from scuro.scene.clip import Clip

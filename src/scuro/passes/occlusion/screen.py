@@ -14,9 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from scuro.passes.filter.temporal import settle
-from scuro.passes.frame import Frame, TargetPool
+from scuro.passes.frame import Frame
 from scuro.passes.geometry.visibility import draw_visibility
 from scuro.passes.occlusion.ray import PATTERN, direction_table, occlusion_key
+from scuro.passes.targets import TargetPool
 from scuro.settings import SettingsGroup, setting
 
 _ALIGN = 16

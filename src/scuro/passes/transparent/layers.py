@@ -13,8 +13,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from scuro.passes.filter.temporal import History
-from scuro.passes.frame import Frame, TargetPool
+from scuro.passes.frame import Frame
 from scuro.passes.geometry.visibility import EMPTY_IDS
+from scuro.passes.targets import TargetPool
 
 MOST_LAYERS = 4
 """Objects behind each other that a pixel shows."""
