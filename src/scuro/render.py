@@ -288,6 +288,7 @@ class Renderer:
             draw_visibility(frame)
         frame.recorder.submit()
         ids, surface = (self.gpu.read_texture(frame.resources[n]) for n in ("ids", "surface"))
+        own.targets.frame = None  # or the scene's tables would stay until the next survey
         return Survey(ids, surface[..., 3], camera)
 
     def fitted(self, scene: Scene, settings: Settings, **options: Any) -> Camera:

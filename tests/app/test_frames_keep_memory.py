@@ -3,6 +3,7 @@
 import ctypes
 import gc
 import weakref
+from types import SimpleNamespace
 
 import pytest
 
@@ -103,24 +104,42 @@ def test_frames_of_another_size_find_an_empty_pool(renderer):
 
 
 @pytest.mark.parametrize("lasting", [False, True])
-def test_textures_of_what_is_off_are_freed(renderer, lasting):
-    pool = TargetPool(renderer.gpu)
-    inner = pool.table("layer", 0, lambda: TargetPool(renderer.gpu))
+def test_what_is_off_is_freed(renderer, lasting):
+    gpu = renderer.gpu
+    pool = TargetPool(gpu)
 
     def frame(*used):
         pool.begin((32, 32))
-        return [p.get(name, (32, 32), "r32float", lasting=lasting) for p, name in used]
+        return [pool.get(name, (32, 32), "r32float", lasting=lasting) for name in used]
 
-    on, layered = frame((pool, "on"), (inner, "off"))
-    refs = [weakref.ref(thing) for thing in (*frame((pool, "off")), layered)]
-    del layered
+    def layered():
+        """A frame with a pool of its own, which knows the frame that drew into it."""
+        inner = pool.table("layer", 0, lambda: TargetPool(gpu))
+        texture = inner.get("off", (32, 32), "r32float", lasting=lasting)
+        inner.frame = SimpleNamespace(resources={"off": texture})
+        return [inner, texture, pool.buffer("off", 64), *frame("off")]
+
+    (on,) = frame("on")
+    refs = [weakref.ref(thing) for thing in layered()]
     for _ in range(3):
-        assert frame((pool, "on")) == [on]
+        assert frame("on") == [on]
     assert all(ref() for ref in refs), "freed at once: a person may switch it on again"
     for _ in range(10):
-        assert frame((pool, "on")) == [on]
+        assert frame("on") == [on]
     assert not any(ref() for ref in refs)
     assert pool.bytes == 4 * 32 * 32
+
+
+def test_a_survey_holds_nothing_of_the_scene(renderer):
+    settings = Settings(size=(64, 48))
+    scene, other = (
+        SceneFile(input=(Input(path=f"sample:{name}"),)).scene() for name in ("1tii", "1hpv")
+    )
+    renderer.survey(scene, renderer.fitted(scene, settings), settings)
+    tables = weakref.ref(renderer.accelerator(scene))
+    renderer.render(other, settings=settings)
+    gc.collect()
+    assert tables() is None
 
 
 def test_free_pieces_are_given_back():

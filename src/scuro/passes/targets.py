@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,27 +14,35 @@ if TYPE_CHECKING:
     from scuro.passes.frame import Frame
 
 _IDLE = 8
-"""Frames after which a texture that none of them used is freed: its technique is off."""
+"""Frames after which what none of them used is freed: its technique is off."""
+
+
+@dataclass(eq=False)
+class _Kept:
+    """A texture, buffer or table, what it was made for, and the last frame that used it."""
+
+    key: Any
+    made: Any
+    used: int
 
 
 class TargetPool:
-    """Textures kept between frames by name, size and format."""
+    """Textures, buffers and tables kept between frames by name, and by what they were made for."""
 
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
         self._size: tuple[int, int] | None = None
-        self._held: dict[str, tuple[tuple, Any]] = {}
+        self._textures: dict[str, _Kept] = {}
         self._lasting: set[str] = set()
-        self._used: dict[str, int] = {}
+        self._buffers: dict[str, _Kept] = {}
+        self._tables: dict[str, _Kept] = {}
         self._frames = 0
         self.frame: Frame | None = None
         """The last frame that drew into these textures: what they hold is its."""
-        self._buffers: dict[str, tuple[tuple, Any]] = {}
-        self._tables: dict[str, tuple[Any, Any]] = {}
 
     def begin(self, size: tuple[int, int]) -> None:
-        """A frame of this size begins: free the textures that one of another size left, and those
-        that are no longer used.
+        """A frame of this size begins: free the textures that one of another size left, and what
+        is no longer used.
 
         Made anew one by one, small ones would settle in the gaps between large ones, and keep the
         blocks of memory that those were in. What the frame does not use would stay for ever.
@@ -47,25 +56,37 @@ class TargetPool:
 
     @property
     def _pools(self) -> list[TargetPool]:
-        return [value for _, value in self._tables.values() if isinstance(value, TargetPool)]
+        made = [kept.made for kept in self._tables.values()]
+        return [table for table in made if isinstance(table, TargetPool)]
 
     def _age(self) -> bool:
-        """Forget textures that were idle too long; says whether there were any."""
+        """Forget what was idle too long; says whether there was anything."""
         self._frames += 1
-        idle = [name for name in self._held if self._frames - self._used[name] > _IDLE]
-        for name in idle:
-            del self._held[name]
+        freed = False
+        for held in (self._textures, self._buffers, self._tables):
+            idle = [name for name, kept in held.items() if self._frames - kept.used > _IDLE]
+            for name in idle:
+                del held[name]  # a pool with its frame, which holds all that it drew with
+            freed |= bool(idle)
         inner = [pool._age() for pool in self._pools]
-        return bool(idle) or any(inner)
+        return freed or any(inner)
 
     def _clear(self) -> bool:
         """Forget all but what has to last; says whether there was anything."""
-        forgotten = self._held.keys() - self._lasting
+        forgotten = self._textures.keys() - self._lasting
         for name in forgotten:
-            del self._held[name]
+            del self._textures[name]
         self._buffers.clear()
         inner = [pool._clear() for pool in self._pools]
         return bool(forgotten) or any(inner)
+
+    def _keep(self, held: dict[str, _Kept], name: str, key: Any, make: Callable[[], Any]) -> Any:
+        """What is held under a name, made anew if the key changed."""
+        kept = held.get(name)
+        if kept is None or kept.key != key:
+            kept = held[name] = _Kept(key, make(), self._frames)
+        kept.used = self._frames
+        return kept.made
 
     def get(
         self,
@@ -82,38 +103,36 @@ class TargetPool:
         """
         if lasting:
             self._lasting.add(name)
-        self._used[name] = self._frames
-        key = (*size, format, attachment)
-        held = self._held.get(name)
-        if held is None or held[0] != key:
-            texture = self._gpu.texture(size, format, attachment=attachment, label=name)
-            self._held[name] = held = (key, texture)
-        return held[1]
+        return self._keep(
+            self._textures,
+            name,
+            (*size, format, attachment),
+            lambda: self._gpu.texture(size, format, attachment=attachment, label=name),
+        )
 
     def buffer(self, name: str, size: int, indirect: bool = False) -> Any:
         """The buffer of that name, made anew if its size changed."""
-        key = (size, indirect)
-        held = self._buffers.get(name)
-        if held is None or held[0] != key:
-            self._buffers[name] = held = (
-                key,
-                self._gpu.buffer(size, label=name, indirect=indirect),
-            )
-        return held[1]
+        return self._keep(
+            self._buffers,
+            name,
+            (size, indirect),
+            lambda: self._gpu.buffer(size, label=name, indirect=indirect),
+        )
 
     def table(self, name: str, key: Any, make: Callable[[], Any]) -> Any:
-        """What ``make`` gives, kept under ``name`` as long as ``key`` stays the same."""
-        held = self._tables.get(name)
-        if held is None or held[0] != key:
-            self._tables[name] = held = (key, make())
-        return held[1]
+        """What ``make`` gives, kept under ``name`` as long as ``key`` stays the same.
+
+        Like all else it is forgotten after a few frames that do not ask for it.
+        """
+        return self._keep(self._tables, name, key, make)
 
     @property
     def bytes(self) -> int:
         """GPU memory held by textures, those of pools within it too."""
         texel = {"r32float": 4, "rg32float": 8, "rgba8unorm": 4, "depth32float": 4, "r32uint": 4}
+        keys = [kept.key for kept in self._textures.values()]
         own = sum(
             int(np.prod(key[:-2])) * texel.get(key[-2], 16 if "32" in key[-2] else 8)
-            for key, _ in self._held.values()
+            for key in keys
         )
         return own + sum(pool.bytes for pool in self._pools)
