@@ -104,6 +104,21 @@ def test_palette_keeps_its_colours_apart():
     assert (palettes.distinct(3) == palettes.distinct(12)[:3]).all()
 
 
+def test_carbons_of_a_single_chain_are_no_other_element():
+    carbon, others = palettes.distinct(1), palettes.jmol()[[7, 8, 15, 16]]
+    hues = palettes.lch_of(others)[:, 2] - palettes.lch_of(carbon)[:, 2]
+    assert (np.abs((hues + 180) % 360 - 180) > 50).all()
+    # eyes without red or green cones (Machado, Oliveira and Fernandes 2009) tell them apart, too
+    for seen in (
+        [[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]],
+        [[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]],
+    ):
+        linear = (np.concatenate([carbon, others]) / 255) ** 2.2 @ np.transpose(seen)
+        light, chroma, hue = palettes.lch_of(255 * linear.clip(0, 1) ** (1 / 2.2)).T
+        lab = np.stack([light, chroma * np.cos(np.radians(hue)), chroma * np.sin(np.radians(hue))])
+        assert (np.linalg.norm(lab[:, 1:] - lab[:, :1], axis=0) > 0.1).all()
+
+
 def test_oklch_of_white_and_of_pure_red():
     assert palettes.oklch(np.ones(1), 0.0, np.zeros(1)).tolist() == [[255, 255, 255]]
     red = palettes.oklch(np.array([0.62796]), 0.25768, np.array([29.2339]))

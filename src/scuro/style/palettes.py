@@ -80,10 +80,12 @@ def distinct(count: int) -> NDArray[np.uint8]:
     """``count`` colours (count, 3) that stay apart on screen and in print, however many.
 
     Hues step by the golden angle, so that neighbours in the list differ most; lightness cycles
-    through three levels, so that no two of a page's first dozen fall together in grey either.
+    through three levels, so that no two of a page's first dozen fall together in grey either. The
+    first, which carbons of a single chain have, lies between those of nitrogen, oxygen, sulfur and
+    phosphorus.
     """
     i = np.arange(count)
-    return oklch(np.array([0.70, 0.60, 0.79])[i % 3], 0.125, 245.0 + 137.508 * i)
+    return oklch(np.array([0.70, 0.60, 0.79])[i % 3], 0.125, 170.0 + 137.508 * i)
 
 
 def pastel(count: int, lightness: float) -> NDArray[np.uint8]:
