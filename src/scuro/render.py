@@ -187,6 +187,8 @@ class Renderer:
             view["frame"] = self.history.begin(view, frame.size)
         with opaque_only(frame):
             draw_visibility(frame)
+        if settings.renderer != "path":
+            self._paths = PathTracer()  # its sums may be gone when it goes on, and its scene
         if settings.renderer == "path":
             by_level = settings.semantic.palette or settings.semantic.mode != "off"
             colors = None

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,7 +85,7 @@ def wanted(scene: Scene, standing: Standing) -> list[tuple[Level, float]]:
     return [(found[0], 1.0)]
 
 
-_namers: dict[str, tuple[Any, Namer]] = {}
+_namers: WeakKeyDictionary[Scene, tuple[Any, Namer]] = WeakKeyDictionary()
 
 
 def namer_of(scene: Scene, settings: Settings) -> Namer:
@@ -95,9 +96,9 @@ def namer_of(scene: Scene, settings: Settings) -> Namer:
     """
     hierarchy = scene.hierarchy(settings.semantic.parts)
     key = (hierarchy, settings.labels.show == "atoms", settings.labels.select)
-    kept = _namers.get("last")
+    kept = _namers.get(scene)
     if kept is None or kept[0] != key:
-        kept = _namers["last"] = (key, _namer(scene, hierarchy, settings))
+        kept = _namers[scene] = (key, _namer(scene, hierarchy, settings))
     return kept[1]
 
 

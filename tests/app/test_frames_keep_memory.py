@@ -10,6 +10,7 @@ import pytest
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.gpu.program import Programs
 from scuro.heap import give_back, held
+from scuro.kept import kept_with
 from scuro.measure.memory import resident_mb
 from scuro.passes.targets import TargetPool
 from scuro.render import Renderer
@@ -186,3 +187,83 @@ def test_pipelines_are_bounded_and_pictures_the_same_when_they_are_made_anew(
         image = renderer.render(scene, camera, settings)
         assert renderer.gpu.programs.count <= 3
         assert (image.pixels == before).all()
+
+
+def test_a_closed_reservoir_is_forgotten(renderer):
+    """Its picture, histogram, ranges and cells' boxes are kept with it, and no longer."""
+    from scuro.scene.cornerpoint_synthetic import faulted_dome
+    from scuro.scene.scene import Scene
+    from scuro.viewer.screen import Screen
+    from scuro.viewer.under import words_at
+
+    model = Model(SceneFile(), Scene().add(faulted_dome()))
+    settings = {"reservoir__show": "volume", "occlusion__technique": "none"}
+    model.change(settings=model.settings.replace(**settings))
+    screen = Screen(model, renderer, "rgba8unorm", lambda name, write: "")
+    screen.resize(800, 240, 1.0)  # with the panel's histogram beside the picture
+    target = renderer.gpu.texture(screen.physical, "rgba8unorm", attachment=True)
+    while screen.wait == 0.0:
+        screen.draw(target)
+    places = (0.2, 0.4, 0.6, 0.8)
+    assert any("cell" in words_at(screen.view, x, y) for x in places for y in places)
+    item = model.scene.reservoirs[0]
+    refs = [weakref.ref(thing) for thing in (item, item.grid)]
+    del item
+    model.open(SceneFile(input=(Input(path="sample:1hpv"),)))
+    while screen.wait == 0.0:
+        screen.draw(target)
+    gc.collect()
+    assert [ref() for ref in refs] == [None, None]
+    screen.close()
+
+
+def test_what_is_kept_with_a_thing_is_found_once():
+    calls = []
+
+    @kept_with
+    def double(thing, factor):
+        calls.append(factor)
+        return 2 * factor
+
+    thing = Settings  # anything that has an identity
+    assert [double(thing, n) for n in (1, 2, 1)] == [2, 4, 2]
+    assert calls == [1, 2]
+    for n in range(100):
+        double(thing, n)
+    calls.clear()
+    double(thing, 99)
+    double(thing, 1)
+    assert calls == [1], "a few results are kept, the last ones"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"renderer": "path", "path__samples": 1},
+        {"occlusion__technique": "hybrid"},
+        {"labels__show": "chains"},
+        {"semantic__mode": "screen"},
+    ],
+    ids=["path", "hybrid", "labels", "semantic"],
+)
+def test_a_closed_scene_is_forgotten_by_techniques_that_are_off(renderer, changes):
+    def scene(opacity=1.0):
+        show = (Show(opacity=opacity),)
+        return SceneFile(input=(Input(path="sample:1hpv"),), show=show).scene()
+
+    plain = Settings(size=(64, 48)).replace(occlusion__technique="none")
+    old = scene(0.5)
+    camera = renderer.fitted(old, plain)
+    for _ in range(2):
+        renderer.frame(old, camera, plain.replace(**changes), accumulate=True).recorder.submit()
+    if "labels__show" in changes:
+        renderer.render(old, camera, plain.replace(**changes))
+    body = old.bodies()[0]
+    known = (old, old.hierarchy(), renderer.accelerator(old), body, body.geometry)
+    refs = [weakref.ref(thing) for thing in known]
+    del old, body, known
+    new = scene()
+    for _ in range(12):
+        renderer.frame(new, camera, plain, accumulate=True).recorder.submit()
+    gc.collect()
+    assert [ref() for ref in refs] == [None] * 5

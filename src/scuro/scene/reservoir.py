@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from scuro.kept import kept_with
 from scuro.scene.cornerpoint import CornerPointGrid
 from scuro.scene.geometry import Body
 from scuro.style.reservoir_options import ReservoirSettings
@@ -104,7 +104,7 @@ class ReservoirItem:
         return self._bodies[key]
 
 
-@lru_cache(maxsize=8)
+@kept_with
 def _fitting_exaggeration(grid: CornerPointGrid) -> float:
     size = grid.bounds[1] - grid.bounds[0]
     wanted = FLATTEST * float(np.hypot(*size[:2])) / max(float(size[2]), 1e-6)

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from scuro.kept import kept_with
 from scuro.scene.cornerpoint import CornerPointGrid
 from scuro.scene.reservoir import ReservoirItem
 from scuro.style.transfer import TransferFunction, from_colormap
@@ -16,7 +17,7 @@ COLORMAP = "turbo"
 _WATER = ("SWAT",)
 
 
-@lru_cache(maxsize=16)
+@kept_with
 def property_range(grid: CornerPointGrid, name: str) -> tuple[float, float]:
     """Range of a property over all time steps; fractions that reach near 0 and 1 take all of it."""
     low, high = grid.value_range(name)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
+from scuro.kept import kept_with
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip
 from scuro.scene.cornerpoint import CornerPointGrid
@@ -75,7 +74,7 @@ def cell_at(
     return (int(i) + 1, int(j) + 1, int(k) + 1), value, depth
 
 
-@lru_cache(maxsize=2)
+@kept_with
 def _boxes(grid: CornerPointGrid, exaggeration: float) -> tuple[NDArray, NDArray]:
     """Lowest and highest corners (n, 3) of the active cells' boxes."""
     corners = grid.to_world(grid.corners(), exaggeration).reshape(-1, 8, 3)

@@ -72,7 +72,6 @@ class Names:
         self._tracks: dict[tuple[Hashable, Any], _Track] = {}
         self._seen: Drawn | None = None
         self._surveyed = self._last = -1e9
-        self._texture: Any = None
         self._asked: Any = None
         self._legend: tuple[Any, list[Mark]] = (None, [])
         self._told: Drawn | None = None
@@ -175,18 +174,17 @@ class Names:
         width, height = eye.size
         across = min(ACROSS, int(width))
         size = (across, max(1, round(across * height / width)))
-        if self._texture is None or self._texture.size[:2] != size:
-            self._texture = gpu.texture(size, "rgba32uint", label="survey")
+        surveyed = gpu.texture(size, "rgba32uint", label="survey")
         recorder = gpu.recorder()
         resources = {
             "ids": drawn.resources["ids"],
             "surface": drawn.resources["surface"],
-            "surveyed": self._texture,
+            "surveyed": surveyed,
             "look": {"size": eye.size, "end": width, "shift": -eye.shift},
         }
         recorder.compute("viewer/survey.wgsl", "main", size, resources)
         recorder.submit()
-        found = gpu.read_texture(self._texture)
+        found = gpu.read_texture(surveyed)
         depth = np.ascontiguousarray(found[..., 3]).view(np.float32)
         return Survey(found, depth, eye.camera)
 

@@ -185,6 +185,8 @@ class Screen:
             for eye in self.view.eyes(self.controls.logical):
                 hung = partial(self._hang, eye)
                 self.glasses.draw(eye.number, over, self.logical, self.ratio, hung)
+        else:
+            self.glasses.close()
         self.gui.draw(over, self.logical, self.ratio, self._interface)
         beside = ready - begun + time.perf_counter() - shown
         pacing = self.view.pacing

@@ -73,6 +73,8 @@ class History:
         """Remember where the frame's surfaces were seen."""
         frame.recorder.copy_texture(frame.resources["surface"], _surface_before(frame))
         self._before = dict(frame.resources["view"])
+        # what this frame did not ask for begins anew, and its key holds a scene
+        self._signals = {n: held for n, held in self._signals.items() if held.number == self.number}
         self.number += 1
 
     def averaged(self, frame: Frame, signal: str, key: Any) -> int:

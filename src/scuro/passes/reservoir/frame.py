@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from weakref import WeakKeyDictionary
-
 from scuro.passes.frame import Frame
 from scuro.passes.reservoir.draw import ReservoirPicture
 from scuro.passes.reservoir.model import ReservoirModel
@@ -16,7 +14,7 @@ class Reservoirs:
     """Draws a scene's reservoirs and keeps between frames what did not change."""
 
     def __init__(self) -> None:
-        self._pictures: WeakKeyDictionary[ReservoirItem, ReservoirPicture] = WeakKeyDictionary()
+        self._pictures: dict[ReservoirItem, ReservoirPicture] = {}
 
     def model(self, item: ReservoirItem) -> ReservoirModel:
         """The model on the GPU that was drawn last for an item."""
@@ -28,6 +26,8 @@ class Reservoirs:
 
     def draw(self, frame: Frame, scene: Scene) -> None:
         """Draw the reservoirs that are shown as volumes over ``color``."""
+        for item in self._pictures.keys() - set(scene.reservoirs):
+            del self._pictures[item]  # which holds the reservoir, all of a file
         for item in scene.reservoirs:
             if item.show != "volume":
                 continue

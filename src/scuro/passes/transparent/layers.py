@@ -47,6 +47,7 @@ class Layers:
         """
         count = sum(len(b.positions) for b in frame.accelerator.bodies if b.material.opacity < 1)
         if not count:
+            self._histories.clear()
             return
         pools = self._pools(frame, min(count, MOST_LAYERS))
         front = frame.target("layers", "rgba16float", clear=(0, 0, 0, 0))

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
+from scuro.kept import kept_with
 from scuro.scene.items import MoleculeItem
 from scuro.scene.molecule import Molecule
 from scuro.viewer import navigate
@@ -26,7 +25,7 @@ _NUMBERS, _CELL, _GAP, _LINE = 40.0, 12.0, 6.0, 17.0
 """Widths of the column of numbers, of a letter and of a gap, and height of a line."""
 
 
-@lru_cache(maxsize=8)
+@kept_with
 def sequence(molecule: Molecule, chain: int) -> list[tuple[str, int, int]]:
     """Letter, author's number and one atom (the alpha carbon or phosphorus) of each residue.
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scuro.errors import ScuroError
+from scuro.kept import kept_with
 from scuro.scene.reservoir import ReservoirItem
 from scuro.settings import parameters
 from scuro.style.transfer import TransferFunction
@@ -205,7 +205,7 @@ class TransferEditor:
                 view.model.history.end_gesture()
 
 
-@lru_cache(maxsize=8)
+@kept_with
 def _counts(item: ReservoirItem, name: str, step: int, low: float, high: float) -> NDArray:
     """How many cells have values in each bin."""
     values = item.grid.values(name, step)
