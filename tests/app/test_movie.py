@@ -66,7 +66,7 @@ def test_videos_say_how_their_colors_are_to_be_read(tmp_path, ending):
     """Read as HD video, which the file says it is, colours are those of the frames."""
     ffmpeg = pytest.importorskip("imageio_ffmpeg")
     film = tmp_path / f"red.{ending}"
-    background = ("--background", "#c83214", "--lighting", "flat")
+    background = ("--background", "#c83214", "--lighting", "flat", "--color", "#c83214")
     assert run(["movie", "sample:1hpv", "--size", "63x47", "--length", "2", *background,
                 "-o", str(film)]) == 0  # fmt: skip
     said = subprocess.run([ffmpeg.get_ffmpeg_exe(), "-i", str(film)], capture_output=True).stderr

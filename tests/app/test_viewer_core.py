@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import Image
 
+from scuro.app.cli import run
 from scuro.export.scene_file import Input, SceneFile, Show, read_scene_file
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
@@ -328,6 +330,55 @@ def test_every_view_stands_before_another_file_and_undo_brings_back_where_it_sto
     there = replace(saved, view=saved.view.replace(target=(900.0, 0.0, 0.0)))
     view.model.open(there)
     assert other.camera.target == pytest.approx((900.0, 0.0, 0.0))
+
+
+def test_a_file_beside_what_is_shown_is_seen_from_the_same_side_as_render_shows_both(
+    view, clock, tmp_path
+):
+    from scuro.probe.probe import ProbeSettings
+
+    pytest.importorskip("numba", reason="needs the viewer extra")
+    model, before = view.model, view.model.document
+    path = tmp_path / "beside.xyz"
+    path.write_text("2\n\nC 90 0 0\nO 91.5 0 0\n")
+    assert model.set_probe(ProbeSettings())
+    probe = model.probe
+    view.move(navigate.orbit(view.camera, (30, 10), SIZE))
+    turned = view.camera
+    assert model.open_path(str(path), beside=True)
+    assert model.document == replace(before, input=(*before.input, Input(path=str(path))))
+    assert len(model.scene.molecules) == 2 and model.probe not in (None, probe)
+    side = [np.subtract(c.position, c.target) / c.distance for c in (turned, view.camera)]
+    assert np.allclose(*side)
+    for atom in ((91.5, 0, 0), tuple(model.scene.molecules[0].molecule.positions[0])):
+        x, y, depth = navigate.project(view.camera, [atom], SIZE)[0]
+        assert 0 < x < SIZE[0] and 0 < y < SIZE[1] and depth > 0
+    output = tmp_path / "render.png"
+    model.set_probe(None)
+    model.save(tmp_path / "scene.toml", view.document())
+    assert run(["render", str(tmp_path / "scene.toml"), "-o", str(output)]) == 0
+    rest(view, clock)
+    shown = view.renderer.gpu.read_texture(view.drawn.resources["picture"])
+    assert (np.asarray(Image.open(output).convert("RGBA")) == shown).all()
+    both = view.camera
+    model.change(input=model.document.input[1:])
+    assert len(model.scene.molecules) == 1 and view.camera == both, "the hand's stance was lost"
+    for _ in range(3):
+        model.undo()
+    assert len(model.scene.molecules) == 1 and view.camera == turned
+    assert model.probe is not None and model.document == before
+
+
+def test_what_cannot_come_beside_is_said_and_changes_nothing(view, tmp_path):
+    before = view.model.document
+    scene = tmp_path / "scene.toml"
+    view.model.save(scene, view.document())
+    assert not view.model.open_path(str(scene), beside=True)
+    assert "scene of its own" in view.model.message
+    view.model.open_path(str(tmp_path / "none.pdb"), beside=True)
+    while view.model.restyle is not None:  # it is read beside the pages, however little there is
+        view.model.tick()
+    assert "none.pdb" in view.model.message and view.model.document == before
 
 
 def test_the_saved_view_is_the_view(view, controls, clock, tmp_path, renderer):

@@ -316,8 +316,10 @@ def test_serve_binds_to_this_machine_and_guards_its_files(monkeypatch):
     made, host = runs[0]
     assert host == "127.0.0.1" and made._access.token is None and made._most == 8
     screen = made._make_screen(lambda name, write: "")
-    assert not screen.view.model.open_path("/etc/passwd")
-    assert "not among the files" in screen.view.model.message
+    for beside in (False, True):
+        screen.view.model.message = ""
+        assert not screen.view.model.open_path("/etc/passwd", beside)
+        assert "not among the files" in screen.view.model.message
     screen.close()
     assert CliRunner().invoke(command, ["sample:1hpv", "--host", "0.0.0.0"]).exit_code == 0
     assert runs[1][0]._access.token

@@ -1,11 +1,14 @@
 """The viewer in time: playing, slow work in slices, undo of all of it, files from the panel."""
 
+from dataclasses import replace
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
 
 from scuro.app.cli import run
+from scuro.export.motion import Motion, MovieSettings
 from scuro.export.png import read_settings
 from scuro.export.scene_file import Input, SceneFile, Show
 from scuro.load.trajectory import open_trajectory
@@ -13,6 +16,7 @@ from scuro.probe.probe import ProbeSettings
 from scuro.render_settings import Settings
 from scuro.scene.clip import Cut
 from scuro.scene.geometry import Body, Geometry
+from scuro.scene.projection import project
 from scuro.scene.scene import Scene
 from scuro.steps import in_thread
 from scuro.viewer.jobs import Jobs, in_turns
@@ -131,6 +135,29 @@ def test_keys_of_time_do_nothing_where_there_is_none():
         for go in (lambda p: p.step(1), lambda p: p.step(-1), lambda p: p.seek(3), Player.toggle):
             go(model.player)
         assert model.document == before and not model.player.playing
+
+
+def test_a_view_fits_all_frames_as_films_do(model, renderer, three, clock):
+    view = View(model, renderer.sibling(), SIZE, clock)
+
+    def highest():
+        return project(view.camera, [(4.0, 60.0, 0.0)], SIZE)[0, 1]
+
+    # the last frame's atom, far above those of the first, is in the picture from the start
+    assert 0 < highest() < 30
+    movie = MovieSettings(play=True, motion="none", length=3)
+    document = replace(model.document, settings=Settings(size=SIZE))
+    filmed = Motion(document, movie).at(0).camera
+    assert np.allclose(view.camera.position, filmed.position)
+    view.move(view.camera.orbited(90.0, 0.0))
+    model.player.seek(1.0)
+    view.fit()
+    assert 0 < highest() < 30
+    assert model.player.place == 1.0 and first(model) == [4.0, 0, 0]
+    # what is hidden in all frames needs no room
+    model.change(show=(Show(style="spacefill", select="resi 2"),))
+    view.fit()
+    assert highest() < -30
 
 
 def test_a_film_frame_and_a_rendered_frame_are_where_the_player_is(model, tmp_path):
@@ -434,6 +461,28 @@ def test_a_film_from_the_panel_is_that_of_the_command_line(saving, tmp_path):
     assert (tmp_path / "film.gif").read_bytes() == (tmp_path / "again.gif").read_bytes()
 
 
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_numbered_frames_from_the_panel_are_those_of_the_command_line(saving, tmp_path, elsewhere):
+    saving._elsewhere = elsewhere
+    saving.film_settings = FilmSettings(name="frames")
+    saving.movie = saving.movie.replace(length=3, motion="rock")
+    saving.film()
+    saving.scene()
+    assert finish(saving._jobs) == ("saved frames.zip" if elsewhere else "saved frames")
+    command = ["movie", str(tmp_path / "scene.toml"), "--length", "3", "--motion", "rock"]
+    assert run([*command, "-o", str(tmp_path / "again")]) == 0
+    again = {path.name: path.read_bytes() for path in (tmp_path / "again").iterdir()}
+    assert sorted(again) == ["000000.png", "000001.png", "000002.png"]
+    if elsewhere:
+        with ZipFile(tmp_path / "frames.zip") as packed:
+            assert {Path(n).parent.name for n in packed.namelist()} == {"frames"}
+            found = {Path(n).name: packed.read(n) for n in packed.namelist()}
+    else:
+        found = {path.name: path.read_bytes() for path in (tmp_path / "frames").iterdir()}
+    assert found == again
+    assert not list(tmp_path.glob(".*"))
+
+
 def test_saving_says_what_it_cannot_do(saving):
     for name, words in (("picture.bmp", "bmp"), ("../.hidden", "no name of a file")):
         saving.picture_settings = saving.picture_settings.replace(name=name)
@@ -490,8 +539,6 @@ def test_a_slice_plane_shows_the_colour_of_each_value_where_it_lies(renderer, ra
 
 
 def test_slice_planes_hide_what_is_behind_and_heed_clipping(renderer, ramp):
-    from dataclasses import replace
-
     from scuro.scene.clip import Clip, Plane
     from scuro.scene.view import ViewSettings, view_camera
 

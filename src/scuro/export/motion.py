@@ -22,7 +22,7 @@ from scuro.passes.post.stereo import eye_size
 from scuro.render_settings import Settings
 from scuro.scene.camera import Camera
 from scuro.scene.clip import Clip, Plane
-from scuro.scene.points import focus_points, hull, scene_points
+from scuro.scene.points import moving_points
 from scuro.scene.scene import Scene
 from scuro.scene.view import ViewSettings, view_camera
 from scuro.settings import SettingsGroup, setting
@@ -31,8 +31,6 @@ _LONGEST = 100_000
 """Frames of a film."""
 _STEADY = 16
 """Rays of occlusion a pixel in films; see docs/decisions.md."""
-_FITTED = 12
-"""Moments of a trajectory that the camera is fitted to."""
 _A_MODEL = 10
 """Frames from one model of an ensemble to the next."""
 
@@ -133,14 +131,9 @@ class Motion:
         last = 0 if self._trajectory is None else len(self._trajectory) - 1
         if not last and len(self._scenes) == 1:
             return None
-        found = []
-        for place in np.linspace(0, last, _FITTED if last else 1):
-            self._play(round(float(place)))
-            for scene in self._scenes:
-                focus = focus_points(scene, view.focus) if view.focus else None
-                found.append(hull(scene_points(scene) if focus is None else focus))
+        points = moving_points(self._scenes, self._play, last, view.focus)
         self._play(0)
-        return np.concatenate(found)
+        return points
 
     @property
     def _scenes(self) -> list[Scene]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,8 @@ _EXACT_POINTS = 2_000_000
 """Beyond so many primitives the picture is fitted to the instances' bounding spheres."""
 _TRIANGLE = 1.0
 """Å: size of the triangles of cartoons."""
+_MOMENTS = 12
+"""Moments of a trajectory that stand for all of it."""
 _FOCUS_PADDING = 3.0
 """Å around the atoms that are in focus, so that their neighbours show."""
 
@@ -58,6 +61,29 @@ def clip_keeps(scene: Scene) -> bool:
         if len(points):
             return True
     return False
+
+
+def moving_points(
+    scenes: Sequence[Scene], play: Callable[[float], None], last: int, focus: str = ""
+) -> NDArray[np.float64]:
+    """(n, 4) world centres and radii that bound what scenes show at moments spread over all.
+
+    Args:
+        scenes: What is seen.
+        play: Puts their atoms where a frame has them.
+        last: The last frame's number; the first is 0.
+        focus: A selection that alone counts, if there is one.
+
+    Raises:
+        LoadError: A frame cannot be read.
+        SettingsError: The focus selects nothing.
+    """
+    found = []
+    for place in np.unique(np.linspace(0, last, _MOMENTS).round()):
+        play(float(place))
+        for scene in scenes:
+            found.append(hull(focus_points(scene, focus) if focus else scene_points(scene)))
+    return np.concatenate(found)
 
 
 def hull(points: NDArray) -> NDArray[np.float64]:

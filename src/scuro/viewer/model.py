@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from scuro.errors import MissingExtraError, ScuroError
+from scuro.errors import MissingExtraError, ScuroError, SettingsError
 from scuro.export.scene_file import (
     Input,
     SceneFile,
@@ -186,20 +186,28 @@ class Model:
             return True
         return self._apply(state, lambda: self.history.change(state))
 
-    def open_path(self, path: str) -> bool:
-        """Show another file, or a scene file; :attr:`message` says why if that cannot be."""
+    def open_path(self, path: str, beside: bool = False) -> bool:
+        """Show another file, or a scene file; :attr:`message` says why if that cannot be.
+
+        Args:
+            path: What to read.
+            beside: Whether it comes to what is shown, as ``scuro render A B`` shows both.
+        """
+        shown, new = self.document, (Input(path=path),)
         # what was set of the other file's atoms, frames and places means nothing in this one
-        document = SceneFile(
-            input=(Input(path=path),), light=self.document.light, settings=self.document.settings
-        )
+        document = SceneFile(input=new, light=shown.light, settings=shown.settings)
+        if beside:
+            document = replace(shown, input=shown.input + new)
         try:
             self._guard(document)
             if is_scene_file(path):
+                if beside:
+                    raise SettingsError(f"{path} is a scene of its own: open it by itself")
                 document = read_scene_file(path)
         except ScuroError as error:
             self.message = str(error)
             return False
-        return self.open(document)
+        return self.change(input=document.input) if beside else self.open(document)
 
     def _apply(self, state: State, commit: Callable[[], None], before: State | None = None) -> bool:
         """Bring the scene in line with a state; on an error leave it as it was."""
@@ -241,9 +249,10 @@ class Model:
     def _put_probe(self, state: State, before: State) -> None:
         """Make, change or remove the probe; its atoms are sorted anew only if it must be."""
         settings = state.probe
-        if settings is None or state.document.input != before.document.input:
+        other = state.document.input != before.document.input
+        if settings is None:
             self.probe = None
-        elif self.probe is None or self.probe.settings.atoms != settings.atoms:
+        elif self.probe is None or other or self.probe.settings.atoms != settings.atoms:
             start = self._start if self.probe is None else self.probe.position
             eye = self._eye if self.probe is None else None
             start = self.middle if start is None else start

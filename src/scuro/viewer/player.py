@@ -6,8 +6,13 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from scuro.errors import ScuroError
 from scuro.load.options import LoadOptions
+from scuro.scene.points import moving_points
+from scuro.scene.scene import Scene
 from scuro.settings import SettingsGroup, setting
 
 if TYPE_CHECKING:
@@ -42,6 +47,7 @@ class Player:
         self._at = 0.0
         self._backward = False
         self._broken = False
+        self._points: tuple[Any, NDArray[np.float64] | None] = (None, None)
         self.settings = PlaySettings()
         self.playing = False
 
@@ -91,6 +97,30 @@ class Player:
         place = self.place
         number = f"{place + 1:.0f}" if place == int(place) else f"{place + 1:.1f}"
         return f"{number} of {self.length}"
+
+    def points(self, focus: str = "") -> NDArray[np.float64] | None:
+        """(n, 4) centres and radii that bound what is seen in all frames, as films are fitted.
+
+        Args:
+            focus: A selection that alone counts, if there is one.
+
+        Returns:
+            ``None`` where no atoms move.
+
+        Raises:
+            ScuroError: A frame cannot be read, or the focus selects nothing.
+        """
+        if self.kind != "frames" or self.length < 2:
+            return None
+        item, trajectory = self._model.scene.molecules[0].twin(), self._open()
+        asked = (tuple(item.shown), item.assembly, focus)
+        if self._points[0] != asked:
+
+            def play(place: float) -> None:
+                item.molecule = trajectory.at(place)
+
+            self._points = asked, moving_points([Scene([item])], play, len(trajectory) - 1, focus)
+        return self._points[1]
 
     def _open(self) -> Trajectory:
         if self._trajectory is None:

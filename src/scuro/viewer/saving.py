@@ -10,11 +10,12 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scuro.errors import ScuroError, SettingsError
+from scuro.errors import SaveError, ScuroError, SettingsError
 from scuro.export.files import replacing
 from scuro.export.film_names import film_names
 from scuro.export.motion import Moment, Motion, MovieSettings, mixed
@@ -54,7 +55,9 @@ class PictureSettings(SettingsGroup):
 class FilmSettings(SettingsGroup):
     """Films from the panel."""
 
-    name: str = setting("scuro.gif", "file name: .gif, .mp4 or .webm")
+    name: str = setting(
+        "scuro.gif", "file name: .gif, .mp4 or .webm; without an ending a folder of numbered frames"
+    )
     scale: float = setting(
         1.0, "size in relation to what is on the screen", low=0.1, high=8, unit="×"
     )
@@ -185,8 +188,6 @@ class Saving:
     def _film(self, document: SceneFile, movie: MovieSettings) -> Work:
         name = _file_name(self.film_settings.name)
         check_format(name)
-        if not Path(name).suffix:
-            raise SettingsError("a film's name ends in .gif, .mp4 or .webm")
         # a scene of its own: what is on the screen may change meanwhile
         motion = yield from in_thread(lambda: Motion(document, movie))
         renderer, other = (Renderer(gpu=self.view.renderer.gpu) for _ in range(2))
@@ -198,14 +199,38 @@ class Saving:
                 frame = _moment(renderer, other, motion.at(number), shown)
                 film.keep(number, (yield from _shifted(frame, number, motion.length)))
             yield from scaled(in_thread(film.join), 1.0, 1.0)
-            made = film.path.read_bytes()
-        return self._deliver(name, lambda path: _write(path, made))
+            if film.joined:
+                return self._deliver(name, lambda path: _copy(film.path, path))
+            if not self._elsewhere:
+                return self._deliver(name, lambda path: _copy_folder(film.path, path))
+            packed = Path(folder) / f"{name}.zip"
+            yield from scaled(in_thread(partial(_pack, film.path, packed)), 1.0, 1.0)
+            return self._deliver(packed.name, lambda path: _copy(packed, path))
 
 
 def _copy(made: Path, path: Path) -> None:
     """Put a finished file where it was wanted, whole or not at all."""
     with made.open("rb") as source, replacing(path) as file:
         shutil.copyfileobj(source, file)
+
+
+def _copy_folder(made: Path, path: Path) -> None:
+    """Put a finished folder where it was wanted, whole or not at all."""
+    begun = path.with_name(f".{path.name}.part")
+    try:
+        shutil.copytree(made, begun, dirs_exist_ok=True)
+        begun.rename(path)
+    except OSError as error:
+        raise SaveError(path, f"cannot be written: {error.strerror}") from None
+    finally:
+        shutil.rmtree(begun, ignore_errors=True)
+
+
+def _pack(folder: Path, path: Path) -> None:
+    """Write a folder of pictures, which cannot be compressed any more, into a ZIP file."""
+    with ZipFile(path, "w") as packed:
+        for file in sorted(folder.iterdir()):
+            packed.write(file, f"{folder.name}/{file.name}")
 
 
 def _moment(
@@ -271,10 +296,3 @@ def _file_name(name: str) -> str:
     if not bare or bare.startswith("."):
         raise SettingsError(f"'{name}' is no name of a file")
     return bare
-
-
-def _write(path: Path, content: bytes) -> None:
-    from scuro.export.files import replacing
-
-    with replacing(path) as file:
-        file.write(content)

@@ -5,6 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from scuro.export.scene_file import Input
 from scuro.passes.post.stereo import StereoSettings, eye_size
 from scuro.render_names import SMALLEST_TEXT, text_size
 from scuro.render_settings import Settings
@@ -51,8 +55,9 @@ class Stance:
 
     def initial_camera(self) -> Camera:
         """As the document says, for this size."""
-        wanted = self.model.document.view
-        camera = view_camera(self.model.scene, wanted, self.aspect)
+        model, wanted = self.model, self.model.document.view
+        points = model.player.points(wanted.focus) if wanted.position is None else None
+        camera = view_camera(model.scene, wanted, self.aspect, points=points)
         return camera if wanted.position is not None else navigate.raised(camera, self.foot)
 
     @property
@@ -78,13 +83,24 @@ class Stance:
         place, stereo = self._shown_place(), self.model.settings.stereo
         if place != self._place:
             self._cameras[self._place] = self.camera
-            known = self._cameras.get(place)
-            self.camera = self.initial_camera() if known is None else known
+            self.camera = self._cameras.get(place) or self._newly(place[0])
         elif stereo.mode != self._stereo.mode:
             before, after = self._roomy(self._stereo), self._roomy(stereo)
-            points = scene_points(self.model.scene, outermost=True)
-            self.camera = navigate.narrowed(self.camera, before, after, points)
+            self.camera = navigate.narrowed(self.camera, before, after, self._points())
         self._place, self._stereo = place, stereo
+
+    def _newly(self, inputs: tuple[Input, ...]) -> Camera:
+        """Where to stand before what was not seen before: from the same side if files came to
+        those that are shown, where one stands if some went."""
+        shown = self._place[0]
+        if set(inputs) < set(shown):
+            return self.camera
+        return self._fitted() if set(inputs) > set(shown) else self.initial_camera()
+
+    def _points(self) -> NDArray[np.float64]:
+        """(n, 4) centres and radii that bound the scene, in all frames that can be played."""
+        points = self.model.player.points()
+        return scene_points(self.model.scene, outermost=True) if points is None else points
 
     @property
     def full_settings(self) -> Settings:
@@ -116,13 +132,14 @@ class Stance:
         self.stir()
 
     def fit(self) -> None:
-        """See all of the scene from the same side."""
-        scene = self.model.scene
-        points = scene_points(scene, outermost=True)
-        bounds = scene.bounds()
+        """See all of the scene, in all frames that can be played, from the same side."""
+        self.move(self._fitted())
+
+    def _fitted(self) -> Camera:
+        points, bounds = self._points(), self.model.scene.bounds()
         aspect = self._roomy(self.model.settings.stereo)
         fitted = navigate.fit(self.camera, bounds, aspect, points if len(points) else None)
-        self.move(navigate.raised(fitted, self.foot))
+        return navigate.raised(fitted, self.foot)
 
     def select(self, found: Pick | None, add: bool = False) -> None:
         """Select what was picked, or nothing; with ``add``, besides what is selected."""

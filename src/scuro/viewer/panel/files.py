@@ -19,11 +19,13 @@ class Files:
         self.view = groups.view
         self._saving = saving
         self._listing = listing
+        self._beside = False
+        """Whether what is opened comes to what is shown."""
         self._listed: dict[str, str] | None = None
         """Paths by the names they are shown with."""
 
     def open(self) -> None:
-        """Another file or scene."""
+        """Another file or scene, in place of what is shown or beside it."""
         from imgui_bundle import imgui
 
         if not heading("Open"):
@@ -31,6 +33,9 @@ class Files:
             return
         given, path = self._groups.fields.text("open", "file", "")
         imgui.set_item_tooltip("A file, PDB ID or scene file; press Enter")
+        _, self._beside = imgui.checkbox("beside what is shown", self._beside)
+        imgui.set_item_tooltip("As 'scuro render A B' shows both; else it takes their place")
+        self._shown()
         if self._listed is None:
             self._listed = short_names(self._listing())
         if given and path:
@@ -39,8 +44,24 @@ class Files:
             if imgui.selectable(name, False)[0]:
                 self._open(listed)
 
+    def _shown(self) -> None:
+        """The files that are shown beside each other, to be taken away."""
+        from imgui_bundle import imgui
+
+        model = self.view.model
+        lines = model.document.input
+        for index, line in enumerate(lines if len(lines) > 1 else ()):
+            if imgui.small_button(f"×##input{index}"):
+                model.change(input=lines[:index] + lines[index + 1 :])
+            imgui.set_item_tooltip("Take it away")
+            imgui.same_line()
+            imgui.text_unformatted(os.path.basename(line.path))
+
     def _open(self, path: str) -> None:
         view = self.view
+        if self._beside:
+            view.model.open_path(path, beside=True)
+            return
         # what takes long to read is shown, and stood before, when it is there
         if view.model.open_path(path) and view.model.restyle is None:
             view.camera = view.initial_camera()
@@ -71,7 +92,13 @@ class Files:
         play = play_options(self.view.model.player)
         if play and not saving.movie.play and imgui.small_button("as it is played"):
             saving.movie = saving.movie.replace(**play, motion="none", length=None)
-        buttons(("Save film", "As 'scuro movie' makes it", lambda: self._try(saving.film)))
+        buttons(
+            (
+                "Save film",
+                "As 'scuro movie' makes it; the browser gets numbered frames as a ZIP file",
+                lambda: self._try(saving.film),
+            )
+        )
         imgui.pop_id()
         imgui.separator_text("Scene")
         tip = "All of it, for 'scuro view', 'render' and 'movie'"
