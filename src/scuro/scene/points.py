@@ -78,11 +78,11 @@ def moving_points(
         LoadError: A frame cannot be read.
         SettingsError: The focus selects nothing.
     """
-    found = []
+    found: list[NDArray[np.float64]] = []
     for place in np.unique(np.linspace(0, last, _MOMENTS).round()):
         play(float(place))
-        for scene in scenes:
-            found.append(hull(focus_points(scene, focus) if focus else scene_points(scene)))
+        seen = (focus_points(s, focus) if focus else scene_points(s) for s in scenes)
+        found += map(hull, seen)
     return np.concatenate(found)
 
 
