@@ -7,6 +7,7 @@ for the table people read are under ``"rows"``, a list of flat dictionaries with
 
 from __future__ import annotations
 
+import math
 import pkgutil
 import statistics
 import time
@@ -59,9 +60,15 @@ def check(name: str) -> None:
         raise SettingsError(unknown("benchmark", name, names()))
 
 
-def median_seconds(action: Callable[[], object], count: int) -> float:
-    """Median time of ``count`` runs of ``action``, after one that warms up."""
+def median_seconds(action: Callable[[], object], count: int, *, long: float = math.inf) -> float:
+    """Median time of ``count`` runs of ``action``, after one that warms up.
+
+    Where that takes more than ``long`` seconds, a single run is timed.
+    """
+    start = time.perf_counter()
     action()
+    if time.perf_counter() - start > long:
+        count = 1
     times = []
     for _ in range(count):
         start = time.perf_counter()
