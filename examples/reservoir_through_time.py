@@ -10,7 +10,9 @@ SIZE = (640, 480)
 def main() -> None:
     scene = scuro.Scene().add(faulted_dome())
     renderer = scuro.Renderer()
-    settings = scuro.Settings(size=SIZE).replace(reservoir__property="SWAT")
+    settings = scuro.Settings(size=SIZE).replace(
+        reservoir__show="volume", reservoir__property="SWAT"
+    )
     camera = view_camera(scene, ViewSettings(), SIZE[0] / SIZE[1])
     for step in range(4):
         image = renderer.render(scene, camera, settings.replace(reservoir__time=step))

@@ -31,7 +31,7 @@ def test_commands_run(tmp_path, monkeypatch, capfd) -> None:
         contents += [("ENDSOL  ", resfo.MESS)]
     resfo.write("MODEL.UNRST", contents)
     lines = re.findall(r"^\$ (scuro .*)$", PAGE.read_text(), re.M)
-    assert len(lines) == 7
+    assert len(lines) == 8
     for line in lines:
         arguments = shlex.split(line, comments=True)[1:]
         if arguments[0] == "bench":

@@ -69,7 +69,8 @@ def picture(
 ):
     """The 8-bit picture, or linear color and opacity."""
     scene = Scene().add(grid)
-    settings = scuro.Settings(size=SIZE).replace(reservoir__wells=False, **changes)
+    volume = {"reservoir__show": "volume", "reservoir__wells": False}
+    settings = scuro.Settings(size=SIZE).replace(**volume | changes)
     scene.show_reservoirs(settings.reservoir)
     camera = Camera.fitted(
         scene.bounds(), direction=direction, up=(0, 0, 1), aspect=SIZE[0] / SIZE[1]
@@ -304,7 +305,9 @@ def test_collapsed_inverted_and_nan_cells_end(renderer: Renderer) -> None:
 
 def test_time_steps_change_colors_only(renderer: Renderer, dome: CornerPointGrid) -> None:
     scene = Scene().add(dome)
-    settings = scuro.Settings(size=SIZE).replace(reservoir__property="SWAT", reservoir__time=0)
+    settings = scuro.Settings(size=SIZE).replace(
+        reservoir__show="volume", reservoir__property="SWAT", reservoir__time=0
+    )
     renderer.render(scene, None, settings)
     before = renderer.reservoirs.model(scene.reservoirs[0])
     first = np.asarray(renderer.render(scene, None, settings), float)
@@ -369,7 +372,8 @@ def test_solids_and_the_model_take_light_from_each_other(renderer: Renderer) -> 
     """A ball in a block shades what lies below, and gets less light through the block."""
     grid = box(6, 6, 3)
     settings = scuro.Settings(size=SIZE).replace(
-        reservoir__wells=False, reservoir__exaggeration=1.0, reservoir__opacity="0:0.3 1:0.3",
+        reservoir__show="volume", reservoir__wells=False, reservoir__exaggeration=1.0,
+        reservoir__opacity="0:0.3 1:0.3",
         strategy__occlusion=False,
         occlusion__technique="none", shadows__technique="none",
     )  # fmt: skip
@@ -410,9 +414,12 @@ def test_light_is_made_anew_only_where_something_changed(
     make = LightTexture.make
     monkeypatch.setattr(LightTexture, "make", lambda *args: (made.append(1), make(*args)))
     renderer, scene = Renderer(), Scene().add(dome)
-    settings = scuro.Settings(size=SIZE).replace(strategy__shadow=True, strategy__occlusion=False)
+    settings = scuro.Settings(size=SIZE).replace(
+        reservoir__show="volume", strategy__shadow=True, strategy__occlusion=False
+    )
     lighting = Lighting((Light(direction=(0.3, -0.4, 1), relative_to="world"),))
     scene.lighting = lighting
+    scene.show_reservoirs(settings.reservoir)
 
     def drawn(azimuth: float, **changes) -> np.ndarray:
         camera = view_camera(scene, ViewSettings(azimuth=azimuth), 1.0)

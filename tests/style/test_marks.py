@@ -150,8 +150,8 @@ def test_ink_suits_the_background():
 
 def test_a_reservoirs_legend():
     grid = faulted_dome(8, 7, 6)
-    item = ReservoirItem(grid, ReservoirSettings(property="PRESSURE", time=1, exaggeration=3.0))
-    legend = reservoir_legend(item)
+    settings = ReservoirSettings(show="volume", property="PRESSURE", time=1, exaggeration=3.0)
+    legend = reservoir_legend(ReservoirItem(grid, settings))
     assert legend.title == "PRESSURE (barsa)"
     assert legend.lines == ("faulted dome, 2020-12-31", "heights × 3")
     assert max(legend.bars) == 1 and max(legend.curve) == 1
@@ -160,8 +160,8 @@ def test_a_reservoirs_legend():
     drawn = paint(blank, marks)
     corner = drawn[120:, :190].reshape(-1, 4)[:, :3].astype(int)
     # the color map's two ends
-    assert (np.abs(corner - (48, 18, 59)).max(axis=1) < 30).any()
-    assert (np.abs(corner - (122, 4, 3)).max(axis=1) < 30).any()
+    assert (np.abs(corner - (64, 64, 162)).max(axis=1) < 30).any()
+    assert (np.abs(corner - (170, 25, 1)).max(axis=1) < 30).any()
     assert (drawn[:90] == 255).all() and (drawn[:, 200:] == 255).all()
     right = legend_marks([legend], (320, 240), 10, "upper right", INK, (255, 255, 255, 228))
     assert min(m.box[0] for m in right) > 130 and max(m.box[3] for m in right) < 150

@@ -98,3 +98,14 @@ def test_wrong_words_say_how(changes: dict, message: str) -> None:
 def test_slices_beyond_the_model(dome) -> None:
     with pytest.raises(SettingsError, match="no slice k99"):
         ReservoirItem(dome, ReservoirSettings(show="slices", slices="k99")).bodies()
+
+
+def test_opaque_cells_come_first_and_edges_where_they_set_cells_apart() -> None:
+    def names(grid, **changes) -> list[str]:
+        item = ReservoirItem(grid, ReservoirSettings(wells=False, **changes))
+        return [body.name.split()[-1] for body in item.bodies()]
+
+    few, many = faulted_dome(12, 10, 3), faulted_dome(120, 100, 1)
+    assert names(few) == ["cells", "edges"] and names(many) == ["cells"]
+    assert names(few, show="volume") == [] and names(few, lines=False) == ["cells"]
+    assert names(many, lines=True) == ["cells", "edges"]

@@ -68,9 +68,7 @@ class ReservoirItem:
     @property
     def show(self) -> str:
         """``volume``, ``cells``, ``slices`` or ``iso``."""
-        if self.settings.show != "auto":
-            return self.settings.show
-        return "volume" if self.grid.properties else "cells"
+        return "cells" if self.settings.show == "auto" else self.settings.show
 
     def values(self) -> NDArray[np.float32]:
         """(n_active,) values of the property at the time step."""

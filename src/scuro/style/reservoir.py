@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,6 +14,9 @@ from scuro.style.transfer import TransferFunction, from_colormap
 
 COLORMAP = "turbo"
 """The rainbow that engineers expect, but with even lightness."""
+ENDS = 0.07
+"""Share of the rainbow that is left out at either end: there it is nearly black, and a body is dark
+where it is in shade."""
 
 _WATER = ("SWAT",)
 
@@ -44,7 +48,12 @@ def _transfer(name: str, low: float, high: float, transfer: str, opacity: str) -
     from scuro.style.transfer_choose import choose_transfer, opacity_points
 
     if transfer in ("", "auto"):
-        made = from_colormap(COLORMAP, (low, high), _opacities(name, low, high))
+        margin = ENDS / (1 - 2 * ENDS) * (high - low)
+        opacities = _opacities(name, low, high)
+        whole = from_colormap(COLORMAP, (low - margin, high + margin), opacities)
+        places = np.linspace(low, high, 33)
+        colors = np.column_stack([places, whole.color(places)]).tolist()
+        made = replace(whole, colors=tuple(map(tuple, colors)))
     else:
         stand_in = Volume(np.linspace(low, high, 8, dtype=np.float32).reshape(2, 2, 2))
         made = choose_transfer(stand_in, transfer)

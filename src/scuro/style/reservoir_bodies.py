@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +29,8 @@ _WELLS = {
 _OTHER_WELL = (110, 110, 115, 255)
 EDGE_RADIUS = 6e-4
 EDGE_SHARE = 0.06
+CLEAR_EDGES = 10
+"""Edges are drawn unasked where their rods' diameter fits in an edge of a cell so many times."""
 """Edges are no thicker than this share of the narrowest way across their faces."""
 WELL_RADIUS = 2e-3
 """Of the model's diagonal."""
@@ -45,7 +48,8 @@ def reservoir_bodies(item: ReservoirItem) -> list[Body]:
     grid, settings = item.grid, item.settings
     name, e = grid.name, item.exaggeration
     chosen = np.zeros(grid.active.shape, bool)
-    if item.show != "volume" or settings.faults or settings.lines:
+    lines = _edges_show(item) if settings.lines is None else settings.lines
+    if item.show != "volume" or settings.faults or lines:
         chosen[grid.active] = item.chosen()
     bodies = []
     passing = chosen
@@ -62,7 +66,7 @@ def reservoir_bodies(item: ReservoirItem) -> list[Body]:
         split = fault_faces(grid, passing, e)
         colors = np.tile(np.array(_FAULT, np.uint8), (len(split.cells), 1))
         bodies.append(_body(_quads(split, colors), f"{name} faults"))
-    if settings.lines:
+    if lines:
         shell = faces if faces is not None else outer_faces(grid, chosen, e)
         bodies.append(_body(_edges(shell, _diagonal(item) * EDGE_RADIUS), f"{name} edges"))
     if settings.wells and grid.wells:
@@ -80,6 +84,14 @@ def _body(parts: tuple[Geometry, NDArray], name: str) -> Body:
 def _diagonal(item: ReservoirItem) -> float:
     low, high = item.bounds
     return float(np.linalg.norm(high - low))
+
+
+def _edges_show(item: ReservoirItem) -> bool:
+    """Whether edges set cells apart instead of covering them."""
+    (low, high), (ni, nj, _) = item.grid.bounds, item.grid.dimensions
+    across = math.sqrt(float(np.prod(high[:2] - low[:2])) / (ni * nj))
+    opaque = item.show in ("cells", "slices")
+    return opaque and across > CLEAR_EDGES * 2 * EDGE_RADIUS * _diagonal(item)
 
 
 def layers_mask(item: ReservoirItem) -> NDArray[np.bool_]:

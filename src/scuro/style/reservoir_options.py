@@ -51,8 +51,7 @@ class ReservoirSettings(SettingsGroup):
 
     show: str = setting(
         "auto",
-        "volume: see into the cells; cells: their opaque outer faces; slices; iso; auto: volume "
-        "where there is a property, else cells",
+        "volume: see into the cells; cells: their opaque outer faces; slices; iso; auto: cells",
         choices=("auto", "volume", "cells", "slices", "iso"),
         main=True,
     )
@@ -68,6 +67,8 @@ class ReservoirSettings(SettingsGroup):
     box: str = setting("", "show no cells outside, e.g. 'i=5:20 k=1:3'", check=_check_box)
     slices: str = setting("", "layers that 'slices' shows, e.g. 'k3 i12'", check=_check_slices)
     iso: float | None = setting(None, "value of the surface that 'iso' shows; auto: the middle")
-    lines: bool = setting(False, "draw cells' edges")
+    lines: bool | None = setting(
+        None, "draw cells' edges; auto: of opaque cells that are large enough to keep them apart"
+    )
     faults: bool = setting(False, "draw the faces at which faults split the model")
     wells: bool = setting(True, "draw wells, where the files hold them")
