@@ -25,7 +25,7 @@ SAMPLES = {
     "stent.npz": ((128, 128, 256), (1, 1, 1), (0, 2000)),
     "lidc2_chestct_256x256x133_u8.raw.gz": ((256, 256, 133), (1, 1, 1), (0, 255)),
     "betaGal.mrc.gz": ((100, 100, 100), (3.54, 3.54, 3.54), (-0.05297, 0.19696)),
-    "emd_1155.ccp4.gz": ((141, 91, 281), (16.4, 16.4, 16.4), (-128, 127)),
+    "emd_1155.ccp4.gz": ((141, 91, 281), (16.4, 16.4, 16.4), (-108.5088, 71.43836)),
     "acrolein1gs.cube.gz": ((77, 69, 96), (0.100955,) * 3, (0, 7.34741)),
     "esp.dx.gz": ((57, 52, 26), (0.257037, 0.255102, 0.264782), (-0.08876, 19.5406)),
 }
@@ -247,3 +247,28 @@ def test_zarr_with_unknown_codec(tmp_path):
     (folder / ".zarray").write_text(json.dumps(meta))
     with pytest.raises(LoadError, match="cannot be read as Zarr"):
         load(folder)
+
+
+def test_tomograms_are_smoothed_and_say_so(tmp_path):
+    """Dark shells in noise, alone and where they are bright, and as the user wants it."""
+    import mrcfile
+
+    rng = np.random.default_rng(4)
+    z, y, x = np.indices((48, 48, 48)) - 23.5
+    shell = np.abs(np.hypot(np.hypot(x, y), z) - 15) < 1.5
+    for sign, told in ((-1, 1), (1, 0)):
+        values = (rng.normal(5, 6, shell.shape) + sign * 25 * shell).astype(np.float32)
+        with mrcfile.new(tmp_path / "map.mrc", values, overwrite=True):
+            pass
+        volume = load(tmp_path / "map.mrc")
+        assert sum("--voxels-smooth" in note for note in volume.notes) == told
+        assert (volume.values[~shell].std() < 4) == bool(told)
+        raw, wide = (load(tmp_path / "map.mrc", voxels__smooth=s) for s in (0, 3))
+        np.testing.assert_array_equal(raw.values, values)
+        assert wide.values.std() < 0.5 * values.std() and wide.notes
+
+
+def test_crystals_name_their_contour(shared):
+    volume = load(shared / "volumes" / "3nzd_2fofc.ccp4.gz")
+    assert volume.contour == pytest.approx(1.5 * volume.values.std() + volume.values.mean(), 1e-2)
+    assert load(shared / "volumes" / "betaGal.mrc.gz").contour is None

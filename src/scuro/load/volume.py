@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,9 @@ GPU_TYPES = ("uint8", "int16", "uint16", "float32")
 
 MOST_LABELS = 64
 """Integer volumes with at most so many distinct values may be label maps."""
+
+TOMOGRAM_SMOOTHING = 1.5
+"""Deviation in voxels of the Gaussian that tomograms are seen through: single voxels are noise."""
 
 
 def finished(
@@ -70,7 +74,22 @@ def finished(
         told.append(f"all voxels have the same value, {values.flat[0]:g}: there is nothing to see")
     fields.setdefault("labels", looks_like_labels(values))
     name = fields.pop("name", "") or Path(path).name.split(".")[0]
-    return Volume(values, matrix, name=name, source=str(path), notes=tuple(told), **fields)
+    volume = Volume(values, matrix, name=name, source=str(path), notes=tuple(told), **fields)
+    deviation = options.smooth
+    if deviation is None and volume.dark_matter:
+        deviation = TOMOGRAM_SMOOTHING
+    return _smoothed(volume, deviation) if deviation else volume
+
+
+def _smoothed(volume: Volume, deviation: float) -> Volume:
+    """The volume after a Gaussian of a deviation in voxels; labels are never mixed."""
+    if volume.labels:
+        return volume
+    from scipy import ndimage
+
+    values = ndimage.gaussian_filter(volume.values, deviation, output=np.float32, mode="nearest")
+    note = f"smoothed by a Gaussian of {deviation:g} voxels; --voxels-smooth 0 keeps the noise"
+    return replace(volume, values=values, notes=(*volume.notes, note))
 
 
 def canonical(path: str | Path, values: NDArray) -> tuple[NDArray, list[str]]:

@@ -17,6 +17,8 @@ from scuro.load.volume_options import VoxelOptions
 from scuro.scene.volume import Volume
 
 ANGSTROM_FROM_BOHR = 0.529177210903
+CRYSTAL_CONTOUR = 1.5
+"""Deviations over the mean at which crystallographers look at maps of space groups but P1."""
 
 
 def read_mrc(path: Path, options: VoxelOptions) -> Volume:
@@ -47,9 +49,12 @@ def read_mrc(path: Path, options: VoxelOptions) -> Volume:
         matrix[:3, 3] = origin
     else:
         matrix[:3, 3] = matrix[:3, :3] @ start
+    contour = None
+    if int(header.ispg) > 1 and float(header.rms) > 0:
+        contour = float(header.dmean) + CRYSTAL_CONTOUR * float(header.rms)
     return finished(
         path, data, matrix, options=options, notes=notes, unit="Å", value_name="density",
-        labels=False,
+        labels=False, contour=contour,
     )  # fmt: skip
 
 

@@ -41,4 +41,11 @@ class VoxelOptions(SettingsGroup):
     channel: int = setting(0, "which channel or component, counted from 0", low=0)
     array: str | None = setting(None, "which array of a file with several (npz, zarr, vti)")
     series: str | None = setting(None, "which DICOM series of a folder: its UID or the end of it")
+    smooth: float | None = setting(
+        None,
+        "deviation of a Gaussian that takes noise away; auto: 1.5 for tomograms, else 0",
+        low=0,
+        high=20,
+        unit="voxels",
+    )
     limit: int = setting(MAX_VOXELS, "larger volumes are averaged in blocks until they fit", low=1)

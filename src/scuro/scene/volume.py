@@ -8,6 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+DARK_SKEWNESS = -0.3
+"""Skewness of small blocks' means below which a map's matter is taken to be its dark part."""
+
 
 @dataclass(frozen=True, eq=False)
 class Volume:
@@ -29,6 +32,8 @@ class Volume:
     """Whether the world is a patient's: x to the right, y anterior, z superior (RAS)."""
     labels: bool = False
     """Whether the values are names of classes, between which nothing may be interpolated."""
+    contour: float | None = None
+    """Where the surface is drawn by habit, if the file tells it."""
 
     @cached_property
     def spacing(self) -> NDArray[np.float64]:
@@ -44,6 +49,23 @@ class Volume:
     def histogram(self) -> NDArray[np.int64]:
         """(256,) voxels in equal bins over :attr:`value_range`."""
         return np.histogram(self.values, bins=256, range=_open_range(*self.value_range))[0]
+
+    @cached_property
+    def dark_matter(self) -> bool:
+        """Whether a density map's matter is darker than what surrounds it, as in tomograms.
+
+        Means of 3³ voxels then have a tail of low values; single voxels are mostly noise.
+        """
+        kept = tuple(slice(0, n // 3 * 3) for n in self.values.shape)
+        values = self.values[kept].astype(np.float32)
+        if self.value_name != "density" or not values.size:
+            return False
+        z, y, x = values.shape
+        means = values.reshape(z // 3, 3, y // 3, 3, x // 3, 3).mean(axis=(1, 3, 5))
+        means = means.clip(*np.quantile(means, (0.001, 0.999)))  # gold markers are no matter
+        means -= means.mean()
+        spread = float(means.std())
+        return spread > 0 and float((means**3).mean()) < DARK_SKEWNESS * spread**3
 
     @cached_property
     def bounds(self) -> NDArray[np.float64]:

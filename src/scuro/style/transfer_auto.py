@@ -15,9 +15,6 @@ DENSE = 0.6
 LEAST_ABOVE = 0.985
 """At least the values above this quantile are shown."""
 
-DARK_SKEWNESS = -0.3
-"""Skewness of small blocks' means below which a map's matter is taken to be the dark part."""
-
 CONTOUR = 0.12
 """How soft the surface of a density map is, as a share of its height over the background."""
 
@@ -54,7 +51,7 @@ def automatic(volume: Volume) -> TransferFunction:
         and min(-low, high) > 0.3 * max(-low, high)
     ):
         return _signed(volume)
-    if volume.value_name == "density" and _skewness(volume) < DARK_SKEWNESS:
+    if volume.dark_matter:
         return _dark_matter(volume)
     return _density(volume, mode, spread)
 
@@ -121,6 +118,8 @@ def _density(volume: Volume, mode: float, spread: float) -> TransferFunction:
     if spread > (high - low) / 200:
         # a noisy background around a small object pulls Otsu's threshold down into the noise
         threshold = max(threshold, mode + 4 * spread)
+    if volume.contour is not None:
+        threshold = volume.contour
     # whatever the histogram looks like, a first sight of nothing helps nobody
     threshold = min(threshold, float(np.quantile(volume.values[::2, ::2, ::2], LEAST_ABOVE)))
     inside = volume.values[::2, ::2, ::2]
@@ -139,27 +138,12 @@ def _density(volume: Volume, mode: float, spread: float) -> TransferFunction:
     return TransferFunction(colors, opacities, name="density")  # type: ignore[arg-type]
 
 
-def _skewness(volume: Volume) -> float:
-    """Of the means of blocks of 3³ voxels: single voxels of a tomogram are mostly noise."""
-    kept = tuple(slice(0, n // 3 * 3) for n in volume.values.shape)
-    values = volume.values[kept].astype(np.float32)
-    if not values.size:
-        return 0.0
-    z, y, x = values.shape
-    means = values.reshape(z // 3, 3, y // 3, 3, x // 3, 3).mean(axis=(1, 3, 5))
-    low, high = np.quantile(means, (0.001, 0.999))  # gold markers are no matter
-    means = means.clip(low, high) - means.clip(low, high).mean()
-    spread = float(means.std())
-    return float((means**3).mean()) / spread**3 if spread > 0 else 0.0
-
-
 def _dark_matter(volume: Volume) -> TransferFunction:
     values = volume.values[::2, ::2, ::2]
     low = volume.value_range[0]
-    full, start = (float(q) for q in np.quantile(values, (0.0125, 0.04)))
-    full = max(full, low)
+    darkest, full, start = (float(q) for q in np.quantile(values, (0.001, 0.02, 0.05)))
     start = max(start, full + 1e-6 * (volume.value_range[1] - low))
-    span = start - low
+    span = start - darkest
     colors = tuple((start - place * span, *rgb) for place, *rgb in reversed(WARM))
     opacities = ((low, DENSE), (full, DENSE), (start, 0.0))
     return TransferFunction(colors, opacities, name="dark matter")  # type: ignore[arg-type]
