@@ -42,10 +42,10 @@ def test_every_pass_of_the_semantic_pipeline_can_be_read(image):
     assert len(np.unique(regions[..., 0])) == 3, "nothing, A and B"
     np.testing.assert_array_equal(image.buffer("regions.y"), regions[..., 1])
     light = held["albedo"][..., :3] * (
-        held["gathered_blurred"][..., :3] * held["gathered_blurred"][..., 3:].astype(float)
+        held["gathered_blurred"][..., :3] * held["bounce_blurred"][..., 3:].astype(float)
         + held["bounce_blurred"][..., :3]
     )
-    # the bounce is found in one pixel of four
+    # bounce and shadow are found in one pixel of four
     there = (held["ids"][..., 2] < 3)[::2, ::2]
     shown = image.buffer("linear")[::2, ::2, :3]
     np.testing.assert_allclose(shown[there], light[::2, ::2][there], atol=3e-3)

@@ -1,13 +1,13 @@
 // Pass 5: separable bilateral blur (Algorithm 3) of occlusion, bounce and shadow, each with its own
-// radius. One direction a dispatch. Wide kernels leave pixels out: what they smooth is smooth already
+// radius; the latter two, found in one pixel of four, together. One direction a dispatch. Wide kernels leave pixels out: what they smooth is smooth already
 // but for noise. Which pixels are taken and what they weigh comes from passes/semantic/smooth.py.
 
 //#include "seen.wgsl"
 
-// There is a shadow: beside the light, in alpha.
-override HAS_SHADOW: bool = true;
+// There is a shadow: beside the bounce, in alpha.
+override HAS_SHADOW: bool = false;
 // It lies in `lit`, not yet in the alpha of `source`.
-override SHADOW_APART: bool = true;
+override SHADOW_APART: bool = false;
 
 struct Blur {
     // (1, 0) or (0, 1)
@@ -23,7 +23,7 @@ struct Blur {
 }
 
 @group(2) @binding(1) var<uniform> blur: Blur;
-// gathered light and visibility, or bounce; in the second dispatch with the shadow in alpha
+// gathered light and visibility, or bounce; in the second dispatch this with the shadow in alpha
 @group(2) @binding(2) var source: texture_2d<f32>;
 @group(2) @binding(3) var lit: texture_2d<f32>;
 @group(2) @binding(4) var blurred: texture_storage_2d<rgba16float, write>;

@@ -1,8 +1,8 @@
 """The passes of the thesis, in order. Each leaves its buffer in the frame under the shader's name.
 
 ``regions`` (t and t + 1), ``calm_surface``, ``diffuse``, ``gathered`` (light, visibility),
-``bounce`` (in one pixel of four), ``lit``, ``gathered_blurred`` (light, shadow),
-``bounce_blurred``, and ``color``.
+``bounce`` and ``lit`` (in one pixel of four), ``gathered_blurred`` (light), ``bounce_blurred``
+(bounce, shadow), and ``color``.
 """
 
 from __future__ import annotations
@@ -56,19 +56,19 @@ def shade_semantic(frame: Frame, hierarchy: Hierarchy) -> None:
     if bounce > 0:  # one of screen space in every mode
         _bounce(frame, settings, bounce * near)
     if settings.mode == "traced":
-        _trace(frame, settings, near, shadow)
+        _trace(frame, settings, near)
     else:
         _occlude(frame, settings, near)
-        if shadow > 0:
-            _shadow(frame, settings, shadow)
+    if shadow > 0:
+        _shadow(frame, settings, shadow)
     frames = rested(frame)
     samples = settings.rays if settings.mode == "traced" else settings.samples
     light = smoothed(frame, calm, frames, samples, bounce=bounce > 0, shadow=shadow > 0)
     frame.sparse = frame.target("color", "rgba16float", clear=_EMPTY)
     frame.compute_tiles(
         "passes/semantic/combine.wgsl",
-        calm | light | {"combining": edges_uniform(frame)},
-        constants={"HAS_BOUNCE": bounce > 0},
+        calm | light | {"edges": edges_uniform(frame)},
+        constants={"HAS_THIN": bounce > 0 or shadow > 0},
     )
 
 
@@ -144,37 +144,43 @@ def halton_points(first: int, count: int) -> NDArray[np.float32]:
     return found.astype(np.float32)
 
 
-def _trace(frame: Frame, settings: SemanticSettings, near: float, shadow: float) -> None:
-    """Occlusion and shadow in object space."""
+def _trace(frame: Frame, settings: SemanticSettings, near: float) -> None:
+    """Occlusion in object space."""
     _halton(frame, settings.rays)
-    levels = frame.resources["levels"]
     rays = {
         "samples": settings.rays,
         "near_radius": settings.near_radius * atom_radius(frame),
         "far_radius": settings.far_radius * distance_of(frame, settings),
         "strength": settings.strength,
         "near_weight": near,
-        "shadow": shadow,
     }
     frame.compute_tiles(
         "passes/semantic/traced.wgsl",
         {"rays": rays},
-        constants={
-            "HAS_SKIPS": True,
-            "HAS_NEAR": near > 0,
-            "HAS_SHADOW": shadow > 0,
-            "HAS_GROUPS": any(levels[name]["kind"] == BY_GROUP for name in ("here", "next")),
-        },
+        constants=_rays(frame) | {"HAS_NEAR": near > 0},
     )
 
 
-def _shadow(frame: Frame, settings: SemanticSettings, share: float) -> None:
+def _rays(frame: Frame) -> dict[str, bool]:
+    """Constants of rays between regions."""
+    levels = frame.resources["levels"]
+    groups = any(levels[name]["kind"] == BY_GROUP for name in ("here", "next"))
+    return {"HAS_SKIPS": True, "HAS_GROUPS": groups}
+
+
+def _shadow(frame: Frame, settings: SemanticSettings, strength: float) -> None:
     distance = distance_of(frame, settings)
-    shadow = {
-        "steps": settings.shadow_steps,
-        "reach": 0.5 * distance,
-        "thickness": 0.25 * distance,
-        "strength": share,
-        "limit": frame.screen_reach,
-    }
-    frame.compute_tiles("passes/semantic/shadow.wgsl", {"shadow": shadow})
+    shader, constants = "passes/semantic/shadow.wgsl", {}
+    shadow: dict[str, Any] = {"strength": strength}
+    if settings.mode == "traced":
+        shader, constants = "passes/semantic/traced_shadow.wgsl", _rays(frame)
+    else:
+        shadow |= {
+            "steps": settings.shadow_steps,
+            "reach": 0.5 * distance,
+            "thickness": 0.25 * distance,
+            "limit": frame.screen_reach,
+        }
+    frame.compute_tiles(
+        shader, {"shadow": shadow, "edges": edges_uniform(frame)}, constants=constants
+    )

@@ -1,7 +1,8 @@
 // Pass 6: shadows between regions by marching through the depth buffer towards the key light
-// (Algorithm 4). Steps are bounded, and grow with the distance gone.
+// (Algorithm 4). Steps are bounded, and grow with the distance gone. They are blurred widely, so one pixel
+// in four marches.
 
-//#include "seen.wgsl"
+//#include "thin.wgsl"
 //#include "labelled.wgsl"
 //#include "lights.wgsl"
 //#include "halton.wgsl"
@@ -19,17 +20,13 @@ struct Shadow {
     limit: f32,
 }
 
-@group(2) @binding(2) var<uniform> shadow: Shadow;
-@group(2) @binding(3) var<uniform> lights: Lights;
+@group(2) @binding(3) var<uniform> shadow: Shadow;
+@group(2) @binding(4) var<uniform> lights: Lights;
 // 1 = lit
-@group(2) @binding(4) var lit: texture_storage_2d<r32float, write>;
+@group(2) @binding(5) var lit: texture_storage_2d<r32float, write>;
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let here = seen(group, local);
-    if (here.outside || here.empty || lights.count == 0u) {
-        return;
-    }
+// How lit a pixel is.
+fn lit_at(here: Seen) -> f32 {
     let arriving = incoming_light(lights.list[0], seen_position(here));
     let start = view_position(vec2f(here.pixel) + 0.5, here.depth);
     let way = radius_within(min(shadow.reach, arriving.distance), start, shadow.limit)
@@ -64,6 +61,18 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
             }
         }
     }
-    let share = mix(blocked.x, blocked.y, levels.blend);
-    textureStore(lit, here.pixel, vec4f(1.0 - shadow.strength * share));
+    return 1.0 - shadow.strength * mix(blocked.x, blocked.y, levels.blend);
+}
+
+@compute @workgroup_size(8, 2)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let first = seen_thinly(group, local);
+    if (first.outside || lights.count == 0u) {
+        return;
+    }
+    for (var rest = wanted_of(first); rest != 0u; rest &= rest - 1u) {
+        let k = countTrailingZeros(rest);
+        let here = seen_at(first.pixel + vec2u(k & 1u, k >> 1u));
+        textureStore(lit, here.pixel, vec4f(lit_at(here)));
+    }
 }

@@ -19,7 +19,7 @@ from scuro.passes.semantic.settings import SemanticSettings
 ENOUGH = 512
 """So many samples need no blur."""
 THIN = 2
-"""The bounce is found in one of so many pixels along either side (seen.wgsl)."""
+"""Bounce and shadow are found in one of so many pixels along either side (seen.wgsl)."""
 _NOTHING = [(0.0, 0.0, 0.0, 0.0)]
 WIDE = 5
 """Radius from which on a blur takes one pixel in two; one in three from twice this."""
@@ -46,7 +46,7 @@ def smoothed(
     bounce: bool,
     shadow: bool,
 ) -> dict[str, Any]:
-    """``gathered`` and ``bounce``, averaged and blurred; the alpha of the former is the shadow.
+    """``gathered`` and ``bounce``, averaged and blurred; the alpha of the latter is the shadow.
 
     Args:
         frame: With the buffers ``gathered``, ``bounce`` and ``lit``.
@@ -66,15 +66,16 @@ def smoothed(
             _average(frame, calm, "lit", frames)
         left = math.sqrt(max(1.0 - frames * samples / ENOUGH, 0.0)) if frames > 1 else 1.0
 
-    def radius(amount: float) -> int:
-        return round(round(left * amount) * frame.px)
+    def radius(amount: float, apart: int = 1) -> int:
+        """In pixels so far apart."""
+        return math.ceil(round(round(left * amount) * frame.px) / apart)
 
-    shadows = radius(settings.blur_shadow) if shadow else 0
-    light = taps(radius(settings.blur_occlusion), shadows)
-    found = {"gathered": _blurred(frame, calm, "gathered", light, shadow=shadow)}
-    if bounce:
-        thin = taps(round(radius(settings.blur_bounce) / THIN))
-        found["bounce"] = _blurred(frame, calm, "bounce", thin, "thinly")
+    light = taps(radius(settings.blur_occlusion))
+    found = {"gathered": _blurred(frame, calm, "gathered", light)}
+    if bounce or shadow:
+        shadows = radius(settings.blur_shadow, THIN) if shadow else 0
+        thin = taps(radius(settings.blur_bounce, THIN) if bounce else 0, shadows)
+        found["bounce"] = _blurred(frame, calm, "bounce", thin, "thinly", shadow=shadow)
     return found
 
 

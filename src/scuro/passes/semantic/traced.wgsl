@@ -1,11 +1,8 @@
 // The same semantics in object space: rays count a hit only if it lies in another region, so that
-// nothing depends on what the picture shows. Occlusion with light from the open directions, and
-// shadows of the key light.
+// nothing depends on what the picture shows. Occlusion with light from the open directions.
 
 //#include "seen.wgsl"
-//#include "trace.wgsl"
-//#include "surface.wgsl"
-//#include "region.wgsl"
+//#include "blocked.wgsl"
 //#include "gather.wgsl"
 
 struct Rays {
@@ -15,51 +12,12 @@ struct Rays {
     strength: f32,
     // how much the near reach counts: less with distance
     near_weight: f32,
-    // how dark a full shadow is
-    shadow: f32,
 }
 
 @group(2) @binding(1) var<uniform> rays: Rays;
 @group(2) @binding(4) var ids: texture_2d<u32>;
-// as in shadow.wgsl
-@group(2) @binding(5) var lit: texture_storage_2d<r32float, write>;
 
 override HAS_NEAR: bool = true;
-override HAS_SHADOW: bool = true;
-// Whether either level divides instances into groups of atoms.
-override HAS_GROUPS: bool = true;
-
-// A ray inside one instance passes at most so many atoms of its own group.
-const MOST_OWN: u32 = 32u;
-
-// Whether something of another region lies on the ray.
-fn blocked(ray: Ray, reach: f32, level: LevelOf, own: vec4u) -> bool {
-    skipped = vec4u(0u);
-    if (level.kind == BY_OBJECT) {
-        let range = region_range(level, own.z);
-        skipped = vec4u(range, 0u, 0u);
-    } else if (!HAS_GROUPS || level.kind == BY_INSTANCE) {
-        skipped = vec4u(0u, 0u, own.y, own.y + 1u);
-    } else {
-        // groups of atoms: step through those of the own group
-        let label = region_of(level, own.z, own.y, own.x);
-        var t = 0.0;
-        for (var i = 0u; i < MOST_OWN; i += 1u) {
-            let hit = trace_nearest(ray, t, reach);
-            if (hit.primitive == NO_PRIMITIVE) {
-                return false;
-            }
-            let found = surface_at(ray, hit);
-            if (region_of(level, found.object, found.instance, found.element) != label) {
-                return true;
-            }
-            t = hit.t + 0.01 * scene.primitive_radius;
-        }
-        return false;
-    }
-    return trace_any(ray, 0.0, reach);
-}
-
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let here = seen(group, local);
@@ -90,22 +48,4 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         gather(&sum, ray.direction, open, position);
     }
     store_gathered(here.pixel, sum, rays.samples, rays.strength);
-    if (!HAS_SHADOW || lights.count == 0u) {
-        return;
-    }
-    let arriving = incoming_light(lights.list[0], position);
-    let ray = Ray(origin, arriving.direction);
-    var dark = 0.0;
-    // a loop, so that the tracer is compiled into it once
-    let first = select(0u, 1u, levels.blend >= 1.0);
-    let end = select(1u, 2u, levels.blend > 0.0);
-    for (var k = first; k < end; k += 1u) {
-        var level = levels.here;
-        if (k == 1u) {
-            level = levels.next;
-        }
-        let share = select(1.0 - levels.blend, levels.blend, k == 1u);
-        dark += share * select(0.0, 1.0, blocked(ray, arriving.distance, level, own));
-    }
-    textureStore(lit, here.pixel, vec4f(1.0 - rays.shadow * dark));
 }
