@@ -79,8 +79,10 @@ class Renderer:
         return self.accelerators.scene(scene)
 
     def holds(self, scene: Scene) -> bool:
-        """Whether a frame of the scene needs no new acceleration structure."""
-        return self.accelerators.hold(scene)
+        """Whether a frame of the scene needs no new acceleration structure or volume."""
+        if not self.accelerators.hold(scene):
+            return False
+        return self._volumes.holds(scene, self.accelerator(scene).center)
 
     def restart(self) -> None:
         """Forget what earlier frames of the same picture gathered."""
@@ -159,7 +161,7 @@ class Renderer:
         if frame.settings.renderer != "path" and frame.settings.semantic.mode == "off":
             yield from self._patiently(prepare_occlusion(frame))
             yield from self._patiently(prepare_shadows(frame))
-        yield from self._volumes.prepare(frame, scene)
+        yield from self._patiently(self._volumes.prepare(frame, scene))
 
     def _patiently(self, steps: Iterator[float]) -> Iterator[float]:
         """Those of the steps at whose end the caller's turn has come."""

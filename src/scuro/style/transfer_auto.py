@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from scuro.kept import kept_with
 from scuro.scene.volume import Volume
 from scuro.style.transfer import TransferFunction, from_colormap
 
@@ -27,6 +28,7 @@ WARM = (
 """Shares of the shown range and their sRGB colours: clay to ivory."""
 
 
+@kept_with
 def automatic(volume: Volume) -> TransferFunction:
     """Choose by what the values look like: labels, Hounsfield units, signed fields, or a density.
 

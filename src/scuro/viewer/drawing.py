@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import Future, wait
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -159,16 +160,6 @@ class Drawing:
             last = self.clock()
             passes = 0
 
-            def compile(coming: Future[Any]) -> None:
-                nonlocal last
-                while not wait([coming], _COMPILING).done:
-                    self.compiling = True
-                    try:
-                        pause(1 - 1 / (1 + passes))
-                    finally:
-                        self.compiling = False
-                last = self.clock()
-
             def breathe(share: float) -> None:
                 nonlocal last, passes
                 passes += share >= 1
@@ -179,12 +170,40 @@ class Drawing:
 
             self.renderer.breathe = breathe if cut else None
             try:
-                with self.renderer.gpu.programs.patiently(compile):
+                with self._patiently(lambda: pause(1 - 1 / (1 + passes))):
                     return self.renderer.frame(scene, camera, settings, part, accumulate=accumulate)
             finally:
                 self.renderer.breathe = None
 
         return (yield from in_turns(draw))
+
+    def built(self, steps: Iterator[float]) -> Generator[float, None, None]:
+        """Take steps that build something, giving way while pipelines are made for them."""
+
+        def take(pause: Callable[[float], None]) -> None:
+            share = 0.0
+            with self._patiently(lambda: pause(share)):
+                for share in steps:
+                    pause(share)
+
+        turns = in_turns(take)
+        next(turns)  # before the first step: there may be none
+        yield from turns
+
+    @contextmanager
+    def _patiently(self, pause: Callable[[], None]) -> Iterator[None]:
+        """Within it, ``pause`` is called while pipelines are made."""
+
+        def wait_for(coming: Future[Any]) -> None:
+            while not wait([coming], _COMPILING).done:
+                self.compiling = True
+                try:
+                    pause()
+                finally:
+                    self.compiling = False
+
+        with self.renderer.gpu.programs.patiently(wait_for):
+            yield
 
     def _expected(self, settings: Settings) -> float:
         """Seconds that a picture will take, as the last one did."""

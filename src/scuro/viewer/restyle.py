@@ -13,6 +13,7 @@ from scuro.export.scene_file import SceneFile
 from scuro.scene.geometry import Body
 from scuro.scene.scene import Scene
 from scuro.steps import in_thread
+from scuro.style.transfer_auto import automatic
 from scuro.trace.pack import pack_bodies
 
 LARGE = 100_000
@@ -62,6 +63,8 @@ class Reading:
     def _read(self) -> None:
         self.scene = self.document.scene()
         _ready(self.scene.bodies())
+        for item in self.scene.volumes:
+            automatic(item.volume)  # kept for the transfer function and the panel's histogram
 
     def tick(self) -> bool:
         """Look whether all is read.

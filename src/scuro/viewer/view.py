@@ -99,7 +99,8 @@ class View(Stance):
     def _prepare(self) -> None:
         """Something may have to be built first; pictures are plain until it is."""
         scene = self.model.dressed(self.camera)
-        self._work = self.renderer.prepare(scene, self.camera, self.full_settings)
+        steps = self.renderer.prepare(scene, self.camera, self.full_settings)
+        self._work = self.drawing.built(steps)
         self._bare, self._left, self.built = False, False, None
 
     def stop(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from scuro.gpu import Gpu
 from scuro.passes.volume.classify import Classified
-from scuro.passes.volume.grid import VolumeGrid
+from scuro.passes.volume.grid import UPLOAD_BYTES, VolumeGrid
 from scuro.passes.volume.light import cone_kinds
 from scuro.passes.volume.pyramid import Pyramid
 from scuro.passes.volume.settings import PEERS, VolumeSettings
@@ -22,8 +22,8 @@ from scuro.scene.geometry import Body
 from scuro.scene.volume import Volume
 from scuro.style.transfer import TransferFunction
 
-SLICE_BYTES = 4 << 20
-"""Of the pyramid's slabs where it is built in slices."""
+SLICE_BYTES = 2 << 20
+"""Of slabs of the grid and the pyramid where they are built in slices."""
 
 
 @dataclass
@@ -37,10 +37,20 @@ class BuiltVolume:
     gpu: Gpu
     volume: Volume
     center: NDArray
+    filled: bool = True
+    """Whether the grid is there, or has to be uploaded by :meth:`fill` or :meth:`prepare`."""
 
     def __post_init__(self) -> None:
-        self.grid = VolumeGrid(self.gpu, self.volume, self.center)
+        self.grid = VolumeGrid(self.gpu, self.volume, self.center, self.filled)
         self._kept: dict[str, tuple[Any, Any]] = {}
+
+    def fill(self, slab: int = UPLOAD_BYTES) -> Generator[float, None, None]:
+        """Upload the grid if it is not there, roughly so many bytes at a time."""
+        if not self.filled:
+            for share in self.grid.fill(slab):
+                self.gpu.finish()
+                yield share
+            self.filled = True
 
     def keep(self, name: str, key: Any, make: Any) -> Any:
         """The value made last under ``name`` if its key is the same, else a new one."""
@@ -104,11 +114,16 @@ class BuiltVolume:
 
     def prepare(
         self, settings: VolumeSettings, transfer: TransferFunction, clip: Clip, solids: Any
-    ) -> Iterator[float]:
-        """Build in slices the pyramid that a picture will need; yields the share that is done."""
+    ) -> Generator[float, None, None]:
+        """Build in slices what a picture will need; yields the share that is done."""
+        yield from self.fill(SLICE_BYTES)
+        classified = self.classified(transfer, settings)
+        if not classified.ready:
+            _ = classified.distances
+            self.gpu.finish()
+            yield 0.0
         if settings.light == "monte-carlo" or not (settings.occlusion.on or settings.shadow.on):
             return
-        classified = self.classified(transfer, settings)
         name, key = self._pyramid_key(classified, settings, clip, solids)
         if self._kept.get(name, (None,))[0] == key:
             return

@@ -51,6 +51,11 @@ class Classified:
     def table_end(self) -> float:
         return ENTRIES - 1.0
 
+    @property
+    def ready(self) -> bool:
+        """Whether :attr:`distances` were found."""
+        return "distances" in self.__dict__
+
     @cached_property
     def distances(self) -> Any:
         """Buffer: for every block, the Chebyshev distance in blocks to the nearest occupied one."""

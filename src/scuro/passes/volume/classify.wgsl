@@ -10,6 +10,8 @@ struct Blocks {
     axis: u32,
     // no distance beyond this is told
     reach: u32,
+    // first layer of blocks whose ranges are found
+    first: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Blocks;
@@ -26,7 +28,8 @@ fn flat(b: vec3u) -> u32 {
 
 // Trilinear samples in a block also see the voxels around it.
 @compute @workgroup_size(4, 4, 4)
-fn find_ranges(@builtin(global_invocation_id) block: vec3u) {
+fn find_ranges(@builtin(global_invocation_id) id: vec3u) {
+    let block = id + vec3u(0u, 0u, params.first);
     if (any(block >= params.blocks)) {
         return;
     }

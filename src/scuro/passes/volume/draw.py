@@ -27,8 +27,8 @@ from scuro.style.transfer import TransferFunction
 class VolumePicture(BuiltVolume):
     """Pictures of one volume, and what outlives a frame."""
 
-    def __init__(self, gpu: Gpu, volume: Volume, center: NDArray) -> None:
-        super().__init__(gpu, volume, center)
+    def __init__(self, gpu: Gpu, volume: Volume, center: NDArray, filled: bool = True) -> None:
+        super().__init__(gpu, volume, center, filled)
         self.restart()
 
     def restart(self) -> None:

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from numpy.typing import NDArray
+
 from scuro.errors import SettingsError
 from scuro.passes.compose.lighting import lighting_of, lights_uniform
 from scuro.passes.frame import Frame
 from scuro.passes.volume.draw import VolumePicture
 from scuro.passes.volume.planes import draw_planes
 from scuro.passes.volume.settings import VolumeSettings
+from scuro.steps import Sharing, finished
 from scuro.style.transfer import TransferFunction
 from scuro.style.transfer_choose import choose_transfer
 
@@ -26,11 +29,24 @@ class Volumes:
 
     def __init__(self) -> None:
         self._picture: VolumePicture | None = None
+        self._sharing: Sharing[None] = Sharing()
 
     def restart(self) -> None:
         """Forget what earlier frames of the same picture gathered."""
         if self._picture is not None:
             self._picture.restart()
+
+    def holds(self, scene: Scene, center: NDArray) -> bool:
+        """Whether a frame of the scene, whose origin is there, needs nothing uploaded."""
+        if len(scene.volumes) != 1:
+            return True  # none, or too many, which drawing says
+        return self._has(scene, center) and self._picture is not None and self._picture.filled
+
+    def _has(self, scene: Scene, center: NDArray) -> bool:
+        picture = self._picture
+        if picture is None or picture.volume is not scene.volumes[0].volume:
+            return False
+        return bool((picture.center == center).all())
 
     def _chosen(
         self, frame: Frame, scene: Scene
@@ -44,29 +60,31 @@ class Volumes:
         if frame.settings.shadows.technique != "none":
             settings = settings.replace(shadow__on=True)
         center = frame.accelerator.center
-        if (
-            self._picture is None
-            or self._picture.volume is not item.volume
-            or (self._picture.center != center).any()
-        ):
+        if not self._has(scene, center):
             self._picture = None  # frees the old one first
-            self._picture = VolumePicture(frame.gpu, item.volume, center)
+            self._picture = VolumePicture(frame.gpu, item.volume, center, filled=False)
+        assert self._picture is not None
         transfer = item.shown or choose_transfer(
             item.volume, settings.transfer, settings.opacity, settings.window, settings.level
         )
         return self._picture, settings, transfer
 
     def prepare(self, frame: Frame, scene: Scene) -> Iterator[float]:
-        """Build in slices what :meth:`draw` would build first; yields the share that is done."""
+        """Build in slices what :meth:`draw` would build first; yields the share that is done.
+
+        Views of one scene share the work.
+        """
         if not scene.volumes:
             return
         picture, settings, transfer = self._chosen(frame, scene)
         if settings.planes.on and settings.planes.alone:
+            yield from picture.fill()
             return
         bodies = scene.occluders()
         lighted = settings.occlusion.on or settings.shadow.on
         solids = picture.solids(bodies) if lighted else None
-        yield from picture.prepare(settings, transfer, scene.clip, solids)
+        needed = (settings, transfer, scene.clip, solids)
+        yield from self._sharing.steps((picture, *needed), lambda: picture.prepare(*needed))
 
     def draw(self, frame: Frame, scene: Scene) -> None:
         """Draw the scene's volume, if it has one, over ``color``.
@@ -78,6 +96,7 @@ class Volumes:
             self._picture = None
             return
         picture, settings, transfer = self._chosen(frame, scene)
+        finished(picture.fill())
         center = frame.accelerator.center
         lighting = lighting_of(frame.settings.lighting, scene.lighting)
         lights = lights_uniform(lighting, frame.camera, center, shadows=settings.shadow.on)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -31,9 +31,10 @@ class VolumeGrid:
         gpu: Where to put it.
         volume: What to show.
         center: World position of the scene's origin.
+        fill: Upload the samples at once; else :meth:`fill` does.
     """
 
-    def __init__(self, gpu: Gpu, volume: Volume, center: NDArray) -> None:
+    def __init__(self, gpu: Gpu, volume: Volume, center: NDArray, fill: bool = True) -> None:
         self.gpu = gpu
         self.volume = volume
         nz, ny, nx = volume.values.shape
@@ -56,43 +57,51 @@ class VolumeGrid:
         self.texture_from_scene = np.linalg.inv(self.scene_from_texture)
         self.voxel = float(volume.spacing.mean())
         self.diagonal = float(np.linalg.norm(volume.spacing * np.array(self.size)))
-        self.texture = self._upload()
+        self.texture = gpu.texture(self.size, "r16float", dimension="3d", label="the volume")
+        self.ranges = gpu.buffer(4 * int(np.prod(self.blocks)), label="block ranges")
+        """Smallest and largest value of every block and the voxels next to it."""
+        if fill:
+            for _ in self.fill():
+                gpu.finish()  # or copies of all slabs wait in memory at once
 
-    def _upload(self) -> Any:
+    def fill(self, slab: int = UPLOAD_BYTES) -> Iterator[float]:
+        """Upload the samples and find their ranges; yields the share that is done.
+
+        Args:
+            slab: Roughly how many bytes are converted to half-floats at a time.
+        """
         values = self.volume.values
-        texture = self.gpu.texture(self.size, "r16float", dimension="3d", label="the volume")
-        planes = max(1, UPLOAD_BYTES // (4 * self.size[0] * self.size[1]))
-        scale = 1.0 / (self.high - self.low)
-        for z in range(0, self.size[2], planes):
-            slab = values[z : z + planes].astype(np.float32)
-            slab = ((slab - np.float32(self.low)) * np.float32(scale)).astype(np.float16)
-            self.gpu.write_texture(texture, slab, origin=(0, 0, z))
-            if planes < self.size[2]:
-                self.gpu.finish()  # or copies of all slabs wait in memory at once
-        return texture
-
-    @cached_property
-    def ranges(self) -> Any:
-        """Buffer: smallest and largest value of every block and the voxels next to it."""
-        count = int(np.prod(self.blocks))
-        ranges = self.gpu.buffer(4 * count, label="block ranges")
+        layers = max(1, slab // (4 * BLOCK * self.size[0] * self.size[1]))
+        scale = np.float32(1.0 / (self.high - self.low))
+        count = self.blocks[2]
+        for first in range(0, count, layers):
+            z = BLOCK * first
+            part = values[z : z + BLOCK * layers].astype(np.float32)
+            part -= np.float32(self.low)
+            part *= scale
+            self.gpu.write_texture(self.texture, part.astype(np.float16), origin=(0, 0, z))
+            yield 0.6 * min(first + layers, count) / count
         unused = self.gpu.buffer(16)
-        self.gpu.compute(
-            "passes/volume/classify.wgsl",
-            "find_ranges",
-            self.blocks,
-            {
-                "params": self.block_params(table_end=1.0),
-                "samples": self.texture,
-                "ranges": ranges,
-                "shown": unused,
-                "source": unused,
-                "target_": self.gpu.buffer(16),
-            },
-        )
-        return ranges
+        for first in range(0, count, layers):
+            planes = min(layers, count - first)
+            self.gpu.compute(
+                "passes/volume/classify.wgsl",
+                "find_ranges",
+                (*self.blocks[:2], planes),
+                {
+                    "params": self.block_params(table_end=1.0, first=first),
+                    "samples": self.texture,
+                    "ranges": self.ranges,
+                    "shown": unused,
+                    "source": unused,
+                    "target_": self.gpu.buffer(16),
+                },
+            )
+            yield 0.6 + 0.4 * (first + planes) / count
 
-    def block_params(self, *, table_end: float, axis: int = 0, reach: int = 0) -> dict[str, Any]:
+    def block_params(
+        self, *, table_end: float, axis: int = 0, reach: int = 0, first: int = 0
+    ) -> dict[str, Any]:
         """The uniform of classify.wgsl."""
         return {
             "size": self.size,
@@ -101,6 +110,7 @@ class VolumeGrid:
             "table_end": table_end,
             "axis": axis,
             "reach": reach,
+            "first": first,
         }
 
     def uniform(self, step: float, clip: Clip, center: NDArray, table_end: float) -> dict[str, Any]:
