@@ -19,6 +19,7 @@ from scuro.gpu.shader import load_text
 
 _BODY = """
 {includes}
+{functions}
 struct Rows {{ count: u32 }}
 @group(3) @binding(0) var<uniform> rows: Rows;
 @group(3) @binding(1) var<storage, read> inputs: array<vec4f>;
@@ -49,6 +50,7 @@ def evaluate(
     result: str = "vec4f(value)",
     resources: dict[str, Any] | None = None,
     constants: dict[str, float] | None = None,
+    functions: str = "",
     **arguments: NDArray,
 ) -> NDArray[np.float32]:
     """Rows (n, 4) of ``result`` for rows of arguments.
@@ -59,6 +61,7 @@ def evaluate(
         result: WGSL that makes a ``vec4f`` of ``value``.
         resources: What the included file wants bound.
         constants: Values of its ``override`` constants.
+        functions: WGSL that the expression may call.
         arguments: (n, 1 to 4) each, by name; integers keep their bits (``bitcast<u32>(x.x)``).
     """
     count = len(next(iter(arguments.values())))
@@ -74,7 +77,11 @@ def evaluate(
         for column, name in enumerate(arguments)
     )
     text = _BODY.format(
-        includes=f'//#include "{include}"', arguments=names, expression=expression, result=result
+        includes=f'//#include "{include}"',
+        functions=functions,
+        arguments=names,
+        expression=expression,
+        result=result,
     )
     outputs = gpu().buffer(16 * count)
     gpu().compute(

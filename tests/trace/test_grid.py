@@ -169,6 +169,65 @@ def _check_all_spheres(name):
     assert np.all(np.abs(nearest[:, 0] - wanted)[both] < 3e-5 * scale[both])
 
 
+def _many_objects():
+    """Some hundred objects, each in a place of its own, so that most cells list few of them."""
+    places = np.random.default_rng(40).permutation(120)
+    bodies = []
+    for n, place in enumerate(places):
+        rotations, positions = _poses(12, 300 + n, 4)
+        positions = positions + 30.0 * np.array([place % 5, place // 5 % 5, place // 25])
+        bodies.append(Body(_balls(12, 100 + n, 1.5, (0.5, 1)), rotations, positions))
+    return bodies
+
+
+@pytest.mark.parametrize("bits", [31, 20, 15])
+@pytest.mark.parametrize("name", ["instances", "many objects", "assemblies"])
+def test_rays_pass_ranges_of_objects_as_if_they_were_not_there(name, bits, monkeypatch):
+    monkeypatch.setattr("scuro.trace.build._CELL_BITS", bits)
+    bodies = _many_objects() if name == "many objects" else SCENES[name]
+    first, end = {"instances": (0, 1), "many objects": (16, 96), "assemblies": (0, 3)}[name]
+    spheres = _world(bodies)
+    owner = np.repeat(
+        np.arange(len(bodies)), [len(_world([b])) if b.instances else 0 for b in bodies]
+    )
+    o, d = _rays(spheres, 3000, 9)
+    t, margin = _entries(o, d, spheres)
+    kept = (owner < first) | (owner >= end)
+    hit = ((t >= 0) & np.isfinite(t) & kept).any(axis=1)
+    clear = (margin > 1e-3).all(axis=1) & ~((np.abs(t) < 1e-3) & np.isfinite(t)).any(axis=1)
+    accelerator = build_accelerator(gpu(), bodies, np.zeros(3))
+    resources, constants = accelerator.clipped(Clip())
+    found = evaluate(
+        "trace.wgsl", f"passing(Ray(a.xyz, b.xyz), vec4u({first}u, {end}u, 0u, 0u))",
+        result="vec4f(select(0.0, 1.0, value))", a=o, b=d, resources=resources,
+        constants=constants | {"HAS_SKIPS": True},
+        functions="fn passing(ray: Ray, range: vec4u) -> bool "
+        "{ skipped = range; return trace_any(ray, 0.0, NOTHING); }",
+    )[:, 0] > 0  # fmt: skip
+    assert clear.mean() > 0.3 and (name == "instances" or hit[clear].any())
+    assert np.array_equal(found[clear], hit[clear])
+
+
+def test_cells_over_instances_tell_the_objects_that_they_list():
+    bodies = _many_objects()
+    accelerator = build_accelerator(gpu(), bodies, np.zeros(3))
+    scene = accelerator.scene
+    refs = gpu().read_texture(accelerator.resources["refs"]).ravel()
+    words = refs[: int(np.prod(scene["top"]["dims"]))]
+    words = words[words < 0x80000000]
+    bits = scene["span_bits"]
+    assert bits == 7 and scene["span_shift"] == 0
+    rows = np.repeat(np.arange(len(bodies)), [len(b.positions) for b in bodies])
+    for word in words:
+        index = int(word) & (0x7FFFFFFF >> (2 * bits))
+        listed = []
+        while not listed or refs[index - 1] < 0x80000000:
+            listed.append(rows[refs[index] & 0x7FFFFFFF])
+            index += 1
+        span = word >> (31 - 2 * bits) & 127, word >> (31 - bits) & 127
+        assert span == (min(listed), max(listed))
+
+
 @pytest.mark.parametrize("name", ["instances", "assemblies"])
 def test_a_hit_names_its_instance(name):
     bodies = SCENES[name]

@@ -107,14 +107,14 @@ class Accelerator:
                 return placement, plan, object_table(self.bodies, self.packed, plan, placement)
 
             placement, plan, objects = yield from in_thread(lay_out)
-            resources = yield from build_grids(
+            resources, fields = yield from build_grids(
                 gpu, plan, self.resources["slots"], self.resources["instances"]
             )
             resources["objects"] = table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects")
             resources["scene"] = {
                 "top": _top(objects, plan, placement),
                 "reach": plan.farthest,
-                "refs_from": resources.pop("refs_from"),
+                **fields,
             }
             self._grown = (growth, resources)
         return self._grown[1]
@@ -163,8 +163,7 @@ def build_in_steps(
         "objects": table(gpu, objects.view(np.uint32).reshape(-1, 4), "objects"),
     }
     instances = yield from scaled(placement.upload(gpu), 0.45, 0.5)
-    grids = yield from scaled(build_grids(gpu, plan, slot_table, instances), 0.5, 1.0)
-    refs_from = grids.pop("refs_from")
+    grids, fields = yield from scaled(build_grids(gpu, plan, slot_table, instances), 0.5, 1.0)
     resources |= {"instances": instances, **grids}
     single = placement.single
     clusters, runs = _clusters(bodies, packed, placement)
@@ -223,7 +222,7 @@ def build_in_steps(
             **placement.encoding.uniform(),
             "inner_step": placement.encoding.steps[1],
             "reach": plan.farthest,
-            "refs_from": refs_from,
+            **fields,
         },
     )
 

@@ -27,11 +27,13 @@ _COPIED = 2 * STEP
 _CLEARED = 256
 """In so many grids at most rays are told where nothing lies ahead: each takes milliseconds."""
 _EMPTY = 0x80000000
+_CELL_BITS = 31
+"""Of a cell that lists instances: its first entry and the span of their objects."""
 
 
 def build_grids(
     gpu: Gpu, plan: GridPlan, slots: Any, instances: Any
-) -> Generator[float, None, dict[str, Any]]:
+) -> Generator[float, None, tuple[dict[str, Any], dict[str, int]]]:
     """The ``walked`` and ``refs`` tables of all grids together (wgsl/scene.wgsl), in steps.
 
     Args:
@@ -41,16 +43,17 @@ def build_grids(
         instances: Table of the instances.
 
     Returns:
-        The tables, and ``refs_from``: what the number of an entry of ``walked`` is less than that
-        of its reference (modulo 2³²).
+        The tables, and fields of the ``scene`` uniform by which they are read: ``refs_from``, what
+        the number of an entry of ``walked`` is less than that of its reference (modulo 2³²), and
+        how cells over instances tell the objects that they list.
     """
     sorter = _Sorter(gpu, plan, slots, instances)
-    listing = yield from scaled(sorter.list_instances(), 0.0, 0.2)
+    listing, spans = yield from scaled(sorter.list_instances(), 0.0, 0.2)
     walked, refs = yield from scaled(sorter.sort_primitives(), 0.2, 1.0)
     table = table_from_buffers(gpu, [listing, refs])
     first = listing.size // 4 - plan.cells
     yield 1.0
-    return {"walked": walked, "refs": table, "refs_from": first % (1 << 32)}
+    return {"walked": walked, "refs": table}, {"refs_from": first % (1 << 32), **spans}
 
 
 class _Sorter:
@@ -71,7 +74,8 @@ class _Sorter:
         growth = self.plan.growth
         uniform = {"first": 0, "grid": 0, "base": 0, "factor": growth.factor}
         uniform |= {"margin": growth.margin, "reach": self.plan.farthest, "count": threads}
-        uniform |= {"support_edge": self.plan.supports.shape[1]} | build
+        uniform |= {"support_edge": self.plan.supports.shape[1], "span_bits": 0, "span_shift": 0}
+        uniform |= build
         code = self.plan.encoding
         uniform |= code.uniform(inner=uniform["grid"] > 0)
         resources = self.resources | {"build": uniform}
@@ -117,9 +121,9 @@ class _Sorter:
             yield 0.9 + 0.1 * (start + count) / cells
         return starts, lengths
 
-    def list_instances(self) -> Generator[float, None, Any]:
+    def list_instances(self) -> Generator[float, None, tuple[Any, dict[str, int]]]:
         """The buffer that becomes the front of ``refs``: all cells of the grids over instances,
-        then what they list."""
+        then what they list. And how cells tell the objects of what they list."""
         plan, gpu = self.plan, self.gpu
         cells = plan.listing_cells
         steps = [
@@ -134,9 +138,14 @@ class _Sorter:
         # an empty cell tells where nothing lies ahead, another where its list begins
         empty = lengths == 0
         finding = in_thread(lambda: _clear_directions(plan.grids[: plan.over], empty))
-        clear = yield from scaled(finding, 0.9, 1.0)
+        clear = yield from finding
         gpu.write_buffer(self.resources["refs"], np.where(empty, _EMPTY | clear, starts))
-        return self.resources["refs"]
+        spans = _spans(cells + int(lengths.sum(dtype=np.int64)), len(plan.supports))
+        for start in range(0, cells, STEP):
+            count = min(STEP, cells - start)
+            self._run("span_objects", count, first=start, **spans)
+            yield 0.9 + 0.1 * (start + count) / cells
+        return self.resources["refs"], spans
 
     def _items(self) -> Iterator[NDArray[np.uint32]]:
         """Steps of primitives and their grids, (n, 2) each."""
@@ -197,6 +206,17 @@ def _summed(lengths: NDArray[np.uint32], base: int) -> tuple[NDArray[np.uint32],
     starts = np.full(len(lengths), base, np.uint32)
     starts[1:] += ends[:-1].astype(np.uint32)
     return starts, int(ends[-1]) if len(ends) else 0
+
+
+def _spans(total: int, objects: int) -> dict[str, int]:
+    """How a cell's word tells its first and last object above one of ``total`` entries.
+
+    Rays that are to pass a range of objects, such as a whole compartment, then pass cells that list
+    nothing else at once. Where bits are short, neighbouring objects count as one.
+    """
+    needed = max(1, (objects - 1).bit_length())
+    bits = min(needed, max(0, (_CELL_BITS - total.bit_length()) // 2))
+    return {"span_bits": bits, "span_shift": needed - bits}
 
 
 def _clear_directions(grids: NDArray, empty: NDArray[np.bool_]) -> NDArray[np.uint32]:

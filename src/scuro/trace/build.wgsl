@@ -26,6 +26,9 @@ struct Build {
     object_bits: u32,
     radius_base: u32,
     radius_shift: u32,
+    // how cells tell the objects that they list: wgsl/scene.wgsl
+    span_bits: u32,
+    span_shift: u32,
 }
 
 @group(0) @binding(0) var<uniform> build: Build;
@@ -237,4 +240,28 @@ fn finish(@builtin(global_invocation_id) id: vec3u) {
         refs[j] = moving;
     }
     refs[first + length - 1u] |= LAST_OF_CELL;
+}
+
+fn listed_object(row: u32) -> u32 {
+    let texel = textureLoad(instances, table_place(place_index(row)), 0);
+    return object_of(place_of(texel, build.place_step).tag, build.object_bits);
+}
+
+// Tell the span of objects that a cell over instances lists, above the number of its first entry.
+@compute @workgroup_size(64)
+fn span_objects(@builtin(global_invocation_id) id: vec3u) {
+    let cell = build.first + id.x;
+    if (id.x >= build.count || (refs[cell] & NO_ENTRIES) != 0u) {
+        return;
+    }
+    // sorted by instance, entries are sorted by object as well
+    let index = refs[cell];
+    var end = index;
+    while ((refs[end] & LAST_OF_CELL) == 0u) {
+        end += 1u;
+    }
+    let first = listed_object(refs[index] & ~LAST_OF_CELL);
+    let last = listed_object(refs[end] & ~LAST_OF_CELL);
+    let span = (last >> build.span_shift << build.span_bits) | (first >> build.span_shift);
+    refs[cell] |= span << (31u - 2u * build.span_bits);
 }

@@ -45,6 +45,12 @@ fn skips(instance: u32, object: u32) -> bool {
         || (instance >= skipped.z && instance < skipped.w);
 }
 
+// Whether all that a cell of a grid over instances lists is skipped.
+fn skips_cell(cell: u32) -> bool {
+    let objects = listed_objects(cell);
+    return HAS_SKIPS && objects.x >= skipped.x && objects.y <= skipped.y;
+}
+
 // `eye` is the camera in the ray's frame.
 fn local_view(ray: Ray, eye: vec3f, index: u32, t_min: f32, t_max: f32, kept: Kept) -> Local {
     let instance = instance_in(index, frame_at_hand);
@@ -80,6 +86,25 @@ fn local_view(ray: Ray, eye: vec3f, index: u32, t_min: f32, t_max: f32, kept: Ke
         near,
         nested,
     );
+}
+
+// The instance that has a number, as a ray sees it.
+fn view_of(ray: Ray, number: u32, object: u32) -> Local {
+    let instance = numbered(number, object);
+    let traced = traced_object(object);
+    let inverse = conjugate(instance.rotation);
+    var bounds = kept_interval(ray);
+    if (CLIPPED && (traced.flags & UNCLIPPED) != 0u) {
+        bounds = ALL_KEPT;
+    }
+    var grid = traced.grid;
+    if (HAS_LEVELS) {
+        grid = grid_in_view(traced, distance(scene.eye, instance.center), number);
+    }
+    let turned = Ray(
+        rotate(inverse, ray.origin - instance.center), rotate(inverse, ray.direction),
+    );
+    return Local(turned, bounds, grid, true, false);
 }
 
 // The single instance of a scene that has no other: everything about it is in the uniform.
@@ -130,14 +155,15 @@ const NO_INSTANCE: u32 = 0xffffffffu;
 fn next_listed(walk: ptr<function, Walk>) -> u32 {
     var cell = listed_at(u32((*walk).cell));
     loop {
-        let clear = ((cell >> (*walk).bin) & 1u) != 0u;
-        if (cell < NO_ENTRIES || clear || walk_exit(*walk) >= (*walk).t_end) {
+        let clear = cell >= NO_ENTRIES && ((cell >> (*walk).bin) & 1u) != 0u;
+        let met = cell < NO_ENTRIES && !skips_cell(cell);
+        if (met || clear || walk_exit(*walk) >= (*walk).t_end) {
             break;
         }
         walk_on(walk);
         cell = listed_at(u32((*walk).cell));
     }
-    return select(EMPTY_CELL, cell, cell < NO_ENTRIES);
+    return select(EMPTY_CELL, first_listed(cell), cell < NO_ENTRIES && !skips_cell(cell));
 }
 
 // The next instance whose bounding sphere the ray meets in [t_min, t_max], or NO_INSTANCE.

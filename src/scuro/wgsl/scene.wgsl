@@ -82,6 +82,10 @@ struct Scene {
     reach: f32,
     // what is added to the number of an entry of `walked` to find its reference
     refs_from: u32,
+    // of what a cell over instances lists, the first and the last object are told in so many bits each,
+    // after a shift to the right
+    span_bits: u32,
+    span_shift: u32,
 }
 
 @group(1) @binding(0) var<uniform> scene: Scene;
@@ -113,13 +117,23 @@ fn ref_at(entry: u32) -> u32 {
     return textureLoad(refs, table_place(entry + scene.refs_from), 0).x;
 }
 
-// A cell of a grid over instances (its first entry, or NO_ENTRIES and bins of clear directions) or an
-// entry (an instance, LAST_OF_CELL for the last of its cell).
+// A cell of a grid over instances (its first entry and the span of its objects, or NO_ENTRIES and bins
+// of clear directions) or an entry (an instance, LAST_OF_CELL for the last of its cell).
 fn listed_at(index: u32) -> u32 {
     return textureLoad(refs, table_place(index), 0).x;
 }
 
-const NO_ENTRIES: u32 = 0x80000000u;
+// The first entry of a cell that is not empty.
+fn first_listed(cell: u32) -> u32 {
+    return cell & (0x7fffffffu >> (2u * scene.span_bits));
+}
+
+// Objects [x, y) among which all that such a cell lists is found.
+fn listed_objects(cell: u32) -> vec2u {
+    let bits = scene.span_bits;
+    let span = vec2u(cell >> (31u - 2u * bits), cell >> (31u - bits)) & vec2u((1u << bits) - 1u);
+    return (span + vec2u(0u, 1u)) << vec2u(scene.span_shift);
+}
 
 // The frame of the assembly through which a ray goes.
 var<private> frame_at_hand: u32 = NO_FRAME;

@@ -8,6 +8,8 @@ const TRIANGLE: u32 = 3u;
 const LAST_OF_CELL: u32 = 0x80000000u;
 const NO_PRIMITIVE: u32 = 0xffffffffu;
 const EMPTY_CELL: u32 = 0xffffffffu;
+// marks an empty cell of a grid over instances
+const NO_ENTRIES: u32 = 0x80000000u;
 
 fn kind_of(primitive: u32) -> u32 {
     return (primitive >> 29u) & 3u;
