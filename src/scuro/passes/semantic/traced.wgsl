@@ -18,6 +18,7 @@ struct Rays {
 @group(2) @binding(4) var ids: texture_2d<u32>;
 
 override HAS_NEAR: bool = true;
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let here = seen(group, local);
