@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from scuro.export.scene_file import Input, SceneFile
+from scuro.passes.volume import built
 from scuro.passes.volume.draw import VolumePicture
 from scuro.passes.volume.grid import VolumeGrid
 from scuro.passes.volume.settings import VolumeSettings
+from scuro.render import Renderer
 from scuro.render_settings import Settings
 from scuro.scene.clip import Clip
 from scuro.scene.scene import Scene
@@ -26,6 +28,12 @@ def volume():
     bell = np.exp(-4 * across**2)
     values = np.einsum("i,j,k->ijk", bell[:30], bell[3:40], bell)
     return Volume(values * (1 + 0.3 * np.sin(20 * across)))
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch):
+    """Each step is a turn of its own."""
+    monkeypatch.setattr(Renderer, "patience", 0.0)
 
 
 CENTER = np.zeros(3)
@@ -50,7 +58,8 @@ def test_a_grid_uploaded_in_slabs_is_the_same(renderer, volume):
         assert blocks[z, y, x] == pytest.approx([part.min(), part.max()], abs=2e-5)
 
 
-def test_a_pyramid_built_in_passes_is_the_same(renderer, volume):
+def test_a_pyramid_built_in_passes_is_the_same(renderer, volume, monkeypatch):
+    monkeypatch.setattr(built, "SLICE_BYTES", 1 << 14)
     gpu = renderer.gpu
     settings = VolumeSettings().replace(occlusion__on=True)
     transfer = automatic(volume)
@@ -59,7 +68,7 @@ def test_a_pyramid_built_in_passes_is_the_same(renderer, volume):
         picture = VolumePicture(gpu, volume, CENTER, filled=not in_steps)
         if in_steps:
             shares = list(picture.prepare(settings, transfer, Clip(), None))
-            assert len(shares) > 20, "four passes a level, and the grid"
+            assert len(shares) > 60, "four passes a slab of each level, and the grid"
             assert not list(picture.prepare(settings, transfer, Clip(), None)), "built again"
         pyramid = picture.pyramid(picture.classified(transfer, settings), settings, Clip())
         levels.append([gpu.read_texture(pyramid.texture, mip=n) for n in range(pyramid.levels)])
@@ -95,14 +104,14 @@ def test_tables_are_uploaded_in_steps(renderer):
 
 @pytest.mark.parametrize("kind", ["molecule", "volume"])
 def test_two_pages_share_what_is_built(renderer, volume, monkeypatch, kind):
-    filled, built = [], []
+    filled, begun = [], []
     fill, build = VolumeGrid.fill, accelerator.build_in_steps
     monkeypatch.setattr(
         VolumeGrid, "fill", lambda self, slab: (filled.append(self), fill(self, 1 << 15))[1]
     )
     monkeypatch.setattr(
         "scuro.trace.kept.build_in_steps",
-        lambda *args, **options: (built.append(args), build(*args, **options))[1],
+        lambda *args, **options: (begun.append(args), build(*args, **options))[1],
     )
     own = renderer.sibling()
     if kind == "volume":
@@ -116,10 +125,11 @@ def test_two_pages_share_what_is_built(renderer, volume, monkeypatch, kind):
         for view in views:
             view.draw()
             assert view.drawn is None or view.drawable
-    assert len(built) == 1 and len(filled) == (kind == "volume")
+            assert not view.error
     for view in views:
         while view.drawn is None:
             view.draw()
+    assert len(begun) == 1 and len(filled) == (kind == "volume")
 
 
 def test_a_volume_that_was_not_prepared_is_drawn_all_the_same(renderer, volume):
