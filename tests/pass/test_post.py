@@ -166,6 +166,22 @@ def test_depth_of_field_keeps_what_is_in_focus(renderer):
     assert edges[:60].max() > 2 * edges[100:].max()
 
 
+def test_wide_circles_are_smooth_with_few_taps(renderer):
+    """Also where bright and dark lie side by side, as many taps have it."""
+    table = np.array([(x, y, -30, 1) for x in range(-12, 13, 2) for y in range(-9, 10, 2)])
+    tones = np.where(np.arange(len(table)) % 3 > 0, 255, 0)
+    colors = np.stack([tones, tones, tones, np.full_like(tones, 255)], axis=1).astype(np.uint8)
+    numbers = np.arange(len(table), dtype=np.int32)
+    scene = Scene()
+    scene.extra_bodies.append(Body(Geometry(table.astype(np.float32), colors, numbers)))
+    wide = {"depth_of_field__blur": 20.0, "depth_of_field__distance": 30.0}
+    few, many = (
+        pixels(renderer, scene, depth_of_field__taps=taps, **wide)[20:100, 20:140, 0]
+        for taps in (64, 256)
+    )
+    assert np.abs(few - many).mean() < 1.3 and many.std() > 3
+
+
 def test_red_cyan_of_a_grey_scene_is_grey_where_the_eyes_agree(renderer):
     camera = Camera((0, 0, 40), (0, 0, 0), fov=17.0)
     scene = spheres((0, 0, 0, 1), (0, 3, 15, 1), color=(128, 128, 128, 255))

@@ -35,11 +35,14 @@ class FocusSettings(SettingsGroup):
 
 def focus_reach(settings: FocusSettings, px: float) -> float:
     """Distance in pixels from which one is influenced; ``px`` of them are 1 px."""
-    return settings.blur * px * _MOST + 2 * TILE if settings.blur else 0.0
+    return settings.blur * px * _MOST + 2 * TILE + 1 if settings.blur else 0.0
 
 
 _MOST = 2.0
 """A blur is cut at so many times its size at the scene's back."""
+
+_CALM = 8.0
+"""Largest circle in pixels beyond which the taps are too few: as in focus_calm.wgsl."""
 
 
 def draw_focus(frame: Frame, scene: Scene) -> None:
@@ -63,8 +66,10 @@ def draw_focus(frame: Frame, scene: Scene) -> None:
         "taps": settings.taps,
         "reach": math.ceil(most / TILE),
     }
-    around = _largest_around(frame, uniform)
-    frame.replace_color("passes/post/focus.wgsl", {"focus": uniform, "around": around})
+    resources = {"focus": uniform, "around": _largest_around(frame, uniform)}
+    frame.replace_color("passes/post/focus.wgsl", resources)
+    if most > _CALM:
+        frame.replace_color("passes/post/focus_calm.wgsl", resources)
 
 
 def _largest_around(frame: Frame, uniform: dict[str, Any]) -> Any:
