@@ -123,6 +123,13 @@ def test_refinement_multiplies_samples_and_ends_with_the_settings_themselves():
     assert next(steps(Settings())).settings == Settings()
 
 
+def test_light_over_a_volume_is_coarse_while_something_moves():
+    assert Settings().volume.light_resolution == 0.5
+    assert coarse(Settings()).volume.light_resolution == 0.25
+    assert coarse(Settings().replace(volume__light_resolution=0.1)).volume.light_resolution == 0.1
+    assert next(steps(Settings())).settings.volume.light_resolution == 0.5
+
+
 def test_pacing_holds_the_frame_time_of_a_machine_whose_time_goes_with_pixels():
     for full in (0.02, 0.3, 2.0, 60.0):
         pacing = Pacing(0.1)

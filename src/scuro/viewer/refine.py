@@ -1,9 +1,9 @@
 """From the rough picture of a moving scene to the full one, in steps that can be left any time.
 
 What a technique is called matters nowhere here: groups of settings are read by their shape. Numbers
-of samples are settings called ``samples``. A group is off when its switch, its main or first
-setting, is false, ``none`` or ``off``, or when another setting could choose it by name and does not
-(``renderer`` and ``path``).
+of samples are settings called ``samples``, resolutions relative to the data's are fractions called
+``…resolution``. A group is off when its switch, its main or first setting, is false, ``none`` or
+``off``, or when another setting could choose it by name and does not (``renderer`` and ``path``).
 """
 
 from __future__ import annotations
@@ -18,6 +18,9 @@ from scuro.settings import Parameter, SettingsGroup, parameters, subgroups
 
 MOVING_SAMPLES = 4
 """Samples a pixel of every sampling technique, at most, while something moves."""
+MOVING_RESOLUTION = 0.25
+"""Of light that is made anew for every picture, relative to the data's, at most, while something
+moves: small pictures pay as much for it as large ones, at half the resolution an eighth."""
 GROWTH = 4
 """Each step has so many times the samples of the one before, so that all steps before the last
 together cost a third of it."""
@@ -45,10 +48,12 @@ def steps(settings: Settings) -> Iterator[Step]:
 
 
 def coarse(settings: Settings) -> Settings:
-    """The settings with all numbers of samples as low as a moving picture needs."""
+    """The settings with numbers of samples and resolutions as low as a moving picture needs."""
     settings = with_implied(settings)
     open_ones = {name: MOVING_SAMPLES for name, value in _samples(settings) if value is None}
-    return _capped(settings, MOVING_SAMPLES).replace(**open_ones)
+    fine = {name: MOVING_RESOLUTION for name, value in _resolutions(settings)
+            if value > MOVING_RESOLUTION}  # fmt: skip
+    return _capped(settings, MOVING_SAMPLES).replace(**open_ones, **fine)
 
 
 def plain(settings: Settings) -> Settings:
@@ -79,6 +84,14 @@ def _samples(settings: Settings) -> Iterator[tuple[str, int | None]]:
             continue
         for p in parameters(type(group)):
             if p.name == "samples" and p.type is int and not p.many:
+                yield "__".join((*path, p.name)), getattr(group, p.name)
+
+
+def _resolutions(settings: Settings) -> Iterator[tuple[str, float]]:
+    """Name for ``replace`` and value of all resolutions that are shares of the data's."""
+    for path, group in _groups(settings):
+        for p in parameters(type(group)):
+            if p.name.endswith("resolution") and p.type is float:
                 yield "__".join((*path, p.name)), getattr(group, p.name)
 
 
