@@ -67,6 +67,8 @@ def test_folders_missing_and_unreadable_files(tmp_path: Path) -> None:
     with pytest.raises(LoadError, match="is a folder"):
         load(tmp_path)
     with pytest.raises(LoadError, match="no such file, and it is not a PDB ID"):
+        load("9zzz9")
+    with pytest.raises(LoadError, match=r"there is no such file$"):
         load(tmp_path / "missing.pdb")
     with pytest.raises(LoadError, match="no such sample; there are 1hpv, 1tii"):
         load("sample:9xyz")

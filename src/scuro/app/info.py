@@ -46,7 +46,9 @@ def _text(value: Any) -> str:
     if isinstance(value, list):
         if any(isinstance(v, str) and len(v) > 30 for v in value):
             return "\n".join(value)
-        return ", ".join(f"({_text(v)})" if isinstance(v, list) else _text(v) for v in value)
+        return ", ".join(
+            f"({_text(v)})" if isinstance(v, list) else _text(v) or "(blank)" for v in value
+        )
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int):

@@ -135,7 +135,7 @@ def open_device(
             match = [a for a, n in zip(adapters, names, strict=True) if choice.lower() in n.lower()]
             if not match:
                 listed = "; ".join(f"{i}: {n}" for i, n in enumerate(names))
-                raise SettingsError(f"no adapter matches --device '{choice}': there are {listed}")
+                raise SettingsError(f"no adapter matches --device '{choice}': known: {listed}")
             adapter = match[0]
     features: list[str] = []
     limits = dict(DEFAULT_LIMITS)

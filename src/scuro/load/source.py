@@ -133,7 +133,9 @@ def open_source(name: str | Path) -> Source:
         raise LoadError(text[:80], f"cannot be read ({error.strerror})") from None
     if fetch.is_pdb_id(text):
         return Source(text, fetch.fetch(text))
-    raise LoadError(text, "there is no such file, and it is not a PDB ID (like 1aon) either")
+    word = text.isalnum()  # what has a dot or a folder was never meant for an ID
+    either = ", and it is not a PDB ID (like 1aon) either" if word else ""
+    raise LoadError(text, f"there is no such file{either}")
 
 
 def _sample(name: str) -> Path:

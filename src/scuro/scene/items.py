@@ -134,7 +134,7 @@ class MoleculeItem:
         if self.assembly not in molecule.assemblies:
             known = ", ".join(molecule.assemblies) or "none"
             raise SettingsError(
-                f"{name} has no biological assembly '{self.assembly}': there are {known}"
+                f"{name} has no biological assembly '{self.assembly}': known: {known}"
             )
         bodies = []
         for part in molecule.assemblies[self.assembly]:
