@@ -131,3 +131,26 @@ def test_tiles_leave_nothing_out(renderer, scene):
     tiled = drawn(renderer, scene, **CUES, **changes).pixels.astype(int)
     whole = drawn(renderer, scene, depth_of_field__blur=1e-4, **CUES, **changes).pixels.astype(int)
     assert np.abs(tiled - whole).max() <= 1
+
+
+def test_edges_between_hues_of_equal_luminance_are_smoothed(renderer):
+    """Colours of a hierarchy are equally light: their edges were left jagged."""
+    corners = np.array([[-30, -3, 0], [30, 3, 0], [0, 40, 0], [0, -40, 0]], np.float32)
+    triangles = corners[[[0, 1, 2], [1, 0, 3]]]
+    # sRGB of pink and green, Y = 0.27 both
+    colors = np.array([[207, 112, 150, 255], [80, 156, 101, 255]], np.uint8)
+    made = Scene()
+    geometry = Geometry(
+        triangles=triangles,
+        triangle_normals=np.broadcast_to(np.float32([0, 0, 1]), triangles.shape).copy(),
+        triangle_colors=np.repeat(colors[:, None], 3, axis=1),
+        triangle_ids=np.zeros((2, 3), np.int32),
+    )
+    made.extra_bodies.append(Body(geometry, name="halves"))
+
+    def off(method: str) -> float:
+        ideal = drawn(renderer, made, antialias__method="4x").pixels[..., :3].astype(float)
+        found = drawn(renderer, made, antialias__method=method).pixels[..., :3]
+        return float(np.sqrt(((found - ideal) ** 2).mean()))
+
+    assert off("fxaa") < 0.5 * off("none")

@@ -24,7 +24,7 @@ def brightness_of(frame: Frame, wanted: bool = True) -> dict[str, Any]:
     """What brightness.wgsl wants bound, to store what FXAA compares beside ``color``."""
     background = premultiplied(frame.settings.background)
     red, green, blue, _ = background
-    empty = math.sqrt(0.2126 * red + 0.7152 * green + 0.0722 * blue)
+    empty = math.sqrt(0.8 * red + 0.15 * green + 0.05 * blue)
     if wanted:
         target = frame.target("brightness", "r32float", clear=(empty, 0, 0, 0))
     else:
