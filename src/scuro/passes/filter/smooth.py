@@ -14,6 +14,9 @@ from scuro.passes.frame import Frame
 _SHADER = "passes/filter/smooth.wgsl"
 _LEVELS = 3
 """Of the à-trous transform: 5, 13 and 29 pixels wide."""
+_MARGIN = 2.0
+"""Values of n rays count as distinct beyond 1 / (√n - margin): of 16, four deviations of their
+noise; of up to four, whose noise is as large as what they tell apart, never."""
 TOLERANCE = 0.8
 """Distance from the tangent plane, in typical radii, at which weights have fallen to a half."""
 
@@ -71,6 +74,7 @@ def smooth(
                     "offset": int(frame.resources["view"]["frame"]) % 4,
                     "tolerance": TOLERANCE,
                     "selective": 0.5 * math.sqrt(samples),
+                    "distinct": 0.0 if guide else max(0.0, math.sqrt(samples) - _MARGIN),
                 },
                 "source": source,
                 "guide": source if guide is None else guide,

@@ -18,6 +18,8 @@ struct Smooth {
     tolerance: f32,
     // how much normals must agree: 1 for one sample a pixel, more for more
     selective: f32,
+    // one over the difference beyond which another value counts for nothing
+    distinct: f32,
 }
 
 @group(2) @binding(0) var<uniform> smooth_settings: Smooth;
@@ -91,14 +93,19 @@ fn along(place: vec2i, axis: vec2i) {
     let reach = smooth_settings.reach;
     var sum = pair_at(place);
     var total = select(0.0, 1.0, sum.y > 0.0);
+    let mine = sum.x / max(sum.y, 1e-6);
     // wide enough for the pattern of ray directions, with a soft end
     for (var i = -reach; i <= reach; i += 1) {
         let there = clamp(place + i * axis, vec2i(0), size() - 1);
         let at = pixel_of(there);
         let x = f32(i) / (f32(reach) + 0.5);
         let fall = select(1.0 - x * x, 0.0, i == 0 || !inside(place + i * axis));
-        let w = fall * edge_weight(center, at, textureLoad(surface, at, 0));
+        var w = fall * edge_weight(center, at, textureLoad(surface, at, 0));
         let pair = pair_at(there);
+        // what differs by more than its rays' noise is another value, be it as near as across a crease
+        let off = (pair.x / max(pair.y, 1e-6) - mine) * smooth_settings.distinct;
+        let like = max(1.0 - off * off, 0.0);
+        w *= select(1.0, like * like, sum.y > 0.0 && pair.y > 0.0);
         sum += w * pair;
         total += select(0.0, w, pair.y > 0.0);
     }
