@@ -36,6 +36,7 @@ from scuro.passes.shadow.shadow import draw_shadows, prepare_shadows
 from scuro.passes.targets import TargetPool
 from scuro.passes.transparent.layers import Layers, opaque_only
 from scuro.passes.volume.frame import Volumes
+from scuro.passes.volume.front import volume_front
 from scuro.reference.path import PathTracer
 from scuro.render_marks import ACROSS, picture_marks
 from scuro.render_names import Names
@@ -218,7 +219,8 @@ class Renderer:
         draw_attention(frame, scene)
         self._volumes.draw(frame, scene)
         self.reservoirs.draw(frame, scene)
-        draw_cues(frame, shading=shades_last)
+        with volume_front(frame, scene):
+            draw_cues(frame, shading=shades_last)
         draw_focus(frame, scene)
         draw_still(frame)
         filter_down(frame)

@@ -208,7 +208,7 @@ def test_what_a_technique_leaves_open_is_told(tmp_path, capfd, technique, style,
 def test_cues_that_volumes_do_not_show_are_told(tmp_path, capfd, command, suffix, more, others):
     np.save(tmp_path / "ball.npy", np.arange(64, dtype=np.uint8).reshape(4, 4, 4))
     call = [command, str(tmp_path / "ball.npy"), *others, "--size", "32x24", *more]
-    for cues in (), ("--borders", "1", "--fog", "0.5"):
+    for cues in ("--borders", "1", "--fog", "0.5"), ("--toon", "3"):
         assert run([*call, *cues, "-o", str(tmp_path / f"a{suffix}")]) == 0
-        said = "borders and fog do nothing here" in capfd.readouterr().err
-        assert said == bool(cues and not others)
+        said = "toon does nothing here" in capfd.readouterr().err
+        assert said == bool("--toon" in cues and not others)

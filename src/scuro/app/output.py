@@ -101,17 +101,9 @@ def tell_of_open_triangles(scene: Scene, technique: str) -> None:
 
 def tell_of_idle_cues(scene: Scene, settings: Settings) -> None:
     """Say so on standard error where depth cues find no surface to be drawn on."""
-    asked = {
-        "borders": settings.borders.width,
-        "halos": settings.halos.width,
-        "fog": settings.fog.strength,
-        "toon": settings.toon.steps,
-    }
-    idle = [name for name, value in asked.items() if value]
-    if idle and scene.volumes and not scene.bodies() and not scene.reservoirs:
+    if settings.toon.steps and scene.volumes and not scene.bodies() and not scene.reservoirs:
         click.echo(
-            f"scuro: {' and '.join(idle)} do nothing here: they are drawn on surfaces, and volumes "
-            "have none",
+            "scuro: toon does nothing here: its tones are those of surfaces, and volumes have none",
             err=True,
         )
 

@@ -49,6 +49,9 @@ class Frame:
     context: Frame | None = None
     """What was drawn in simple light, in textures of its own: see passes/compose/context.py."""
 
+    outline: NDArray[np.float64] | None = None
+    """(n, 3) world points that bound what shows besides bodies, for depth cues."""
+
     def __post_init__(self) -> None:
         self.targets.frame = self
 

@@ -22,15 +22,21 @@ def depth_range(frame: Frame) -> tuple[float, float]:
 
     Clipping planes do not move it: fog must not jump while a plane sweeps through.
     """
-    key = (frame.camera, frame.bodies)
+    outline = () if frame.outline is None else tuple(map(tuple, frame.outline.tolist()))
+    key = (frame.camera, frame.bodies, outline)
     found: tuple[float, float] = frame.targets.table("depth_range", key, lambda: _measured(*key))
     return found
 
 
-def _measured(camera: Camera, bodies: tuple[Body, ...]) -> tuple[float, float]:
+def _measured(
+    camera: Camera, bodies: tuple[Body, ...], outline: tuple[tuple[float, ...], ...]
+) -> tuple[float, float]:
     exact = sum(len(b.geometry) * b.instances for b in bodies) <= _EXACT_POINTS
     points = np.concatenate(
-        [np.zeros((0, 4)), *(body_points(body, exact, True) for body in bodies)]
+        [
+            np.array([(*point, 0.0) for point in outline]).reshape(-1, 4),
+            *(body_points(body, exact, True) for body in bodies),
+        ]
     )
     if not len(points):
         return 0.0, 1.0
@@ -51,7 +57,10 @@ def full_jump(frame: Frame, setting: float | None, width: float = 0.0) -> float:
     if setting is not None:
         return setting
     radius = frame.accelerator.primitive_radius
-    jump = _JUMP * radius if radius > 0 else 0.05 * frame.accelerator.extent
+    extent = frame.accelerator.extent
+    if frame.outline is not None:
+        extent = max(extent, float(np.linalg.norm(np.ptp(frame.outline, axis=0))) / 2)
+    jump = _JUMP * radius if radius > 0 else 0.05 * extent
     camera, height = frame.camera, frame.resources["view"]["size"][1]
     distance = 1.0 if camera.orthographic else frame.resources["view"]["distance"]
     return max(jump, _SLENDER * width * 2 * camera.half_height() * distance / height)

@@ -95,10 +95,11 @@ fn integrate(pixel: vec2u) -> Result {
         let uvw = origin + t * direction;
         let point = Point(ray.origin + t * ray.direction, uvw, ray.direction, t, weight,
             cut_normal, pixel);
+        let half = mix(front.t, back.t, saturate(log(2.0 * through) / depth));
         color += weight * color_at(table_index(mix(front.value, back.value, share))).rgb
             * light_at(point);
         through -= weight;
-        seen = select(seen, t, seen == 0.0 && through < 0.5);
+        seen = select(seen, half, seen == 0.0 && through < 0.5);
         if (through < march.cutoff) {
             break;
         }
