@@ -566,6 +566,16 @@ def test_slice_planes_hide_what_is_behind_and_heed_clipping(renderer, ramp):
 # --- cells of a reservoir ------------------------------------------------------------------------
 
 
+def test_a_selected_cell_is_named_by_its_place_in_the_grid():
+    from scuro.scene.cornerpoint_synthetic import faulted_dome
+    from scuro.viewer.pick import Pick, sentence
+
+    scene = Scene().add(faulted_dome(12, 10, 6))
+    item, part, body = next(o for o in scene.owners() if o[2].name.endswith("cells"))
+    found = Pick(item, body, 0, part, (3 * 10 + 4) * 12 + 5, (0.0, 0.0, 0.0))
+    assert sentence(found).endswith("cells 6, 5, 4")
+
+
 @pytest.mark.parametrize("show", ["volume", "cells"])
 def test_the_cell_under_the_pointer_is_the_first_that_is_shown(show):
     from scuro.scene.camera import Camera

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scuro.scene.geometry import Body, rotation_matrices
 from scuro.scene.items import MoleculeItem
 from scuro.scene.molecule import Molecule
+from scuro.scene.reservoir import ReservoirItem
 from scuro.scene.scene import Scene
 from scuro.viewer.drawing import Drawn
 from scuro.viewer.eyes import eye_at
@@ -112,6 +113,10 @@ def sentence(found: Pick) -> str:
         return str(found.item.describe(found.element))
     words = " › ".join(found.body.path or (found.body.name,))
     element = f" · atom {found.element + 1}" if found.element >= 0 else ""
+    of_cells = found.body.name.endswith(("cells", "slices"))
+    if isinstance(found.item, ReservoirItem) and of_cells and found.element >= 0:
+        k, j, i = np.unravel_index(found.element, found.item.grid.active.shape)
+        element = f" {i + 1}, {j + 1}, {k + 1}"
     return f"{words}{copy}{element}"
 
 
