@@ -251,6 +251,30 @@ def light_of(gpu, volume, transfer, at, **settings):
     return texels[z, y, x]
 
 
+@pytest.mark.parametrize("orthographic", [True, False])
+@pytest.mark.parametrize("size", [5, 12, 40])
+def test_pictures_of_any_size_find_all_light_they_read(gpu, size, orthographic):
+    x = np.indices((64, 64, 64)) / 63.0
+    volume = Volume(np.float32(0.5 + 0.5 * np.sin(9 * x).prod(axis=0)), np.eye(4))
+    camera = Camera.fitted(
+        volume.bounds, direction=(0.5, 0.3, -1.0), orthographic=orthographic, margin=1.0
+    )
+    lighting = Lighting((Light(direction=(0, -1, -1), intensity=1.0),), ambient=0.5)
+    pictures = [
+        draw(
+            gpu,
+            volume,
+            PLAIN.replace(occlusion__on=True, shadow__on=True, light_all=light_all),
+            ramp(0.05),
+            camera=camera,
+            lighting=lighting,
+            size=(size, size),
+        )[0]
+        for light_all in (True, False)
+    ]
+    np.testing.assert_allclose(pictures[1], pictures[0], atol=1e-3)
+
+
 def met_in_a_slab(sections, tau: float, thickness: float) -> float:
     """Optical depth along a cone's axis from inside constant matter (numpy twin of A-1)."""
     spacing, level, amplitude, weight = sections.table.T.astype(float)

@@ -197,11 +197,8 @@ def _errors(
     """The least ΔE2000 of a small picture, and the attenuation that has it."""
     found = []
     for alpha in _ATTENUATIONS:
-        # rays of small pictures are far apart: those that find where light is read miss bricks
         fitted = small.replace(
-            volume__occlusion__attenuation=alpha,
-            volume__shadow__attenuation=alpha,
-            volume__light_all=True,
+            volume__occlusion__attenuation=alpha, volume__shadow__attenuation=alpha
         )
         drawn = _rgb(renderer.render(scene, _camera(scene, small), fitted))
         found.append((delta_e(drawn, truth.pixels, truth.mask), alpha))

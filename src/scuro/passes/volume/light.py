@@ -12,13 +12,22 @@ from scuro.gpu import Gpu, Recorder
 from scuro.passes.volume.cone_sections import cone_sections
 from scuro.passes.volume.grid import VolumeGrid
 from scuro.passes.volume.pyramid import Pyramid
+from scuro.passes.volume.scaling import scaled_view
 from scuro.passes.volume.settings import PEERS, VolumeSettings
 
 BRICK = 4
 """Edge in texels of the bricks in which light is made (illuminate.wgsl has the same)."""
 
-MARK_SCALE = 2
-"""Rays that look for the bricks to light are cast for one pixel in so many along each side."""
+MARK_SCALE = 2.0
+"""Rays that look for the bricks to light are cast for one pixel in so many along each side, or for
+parts of pixels that are wider than the light's texels."""
+
+MARK_APART = 1.5
+"""Texels of the light that these rays lie apart at most: mark.wgsl marks half as many about each
+of them."""
+
+MOST_MARKING = 1 << 21
+"""More rays than these cost more than the light they spare: all of it is made."""
 
 LISTED_A_ROW = 65536
 """Threads along x of the pass that lists bricks."""
@@ -92,6 +101,25 @@ def light_constants(settings: VolumeSettings) -> dict[str, Any]:
     }
 
 
+def mark_scale(
+    view: Mapping[str, Any], volume: Mapping[str, Any], texels: tuple[int, int, int]
+) -> float:
+    """Pixels between rays that look for the bricks to light, along each side of the picture.
+
+    Args:
+        view: The ``View`` uniform.
+        volume: The ``Volume`` uniform.
+        texels: Of the light.
+    """
+    corners = np.array([[x, y, z, 1.0] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    view_from_texture = np.asarray(view["view_from_scene"]) @ volume["scene_from_texture"]
+    far = 1.0 if view["orthographic"] else float(-(corners @ view_from_texture.T)[:, 2].min())
+    pixel = 2 * view["half_extent"][1] / view["size"][1] * far
+    edges = np.linalg.norm(np.asarray(volume["scene_from_texture"])[:3, :3], axis=0)
+    texel = float((edges / texels).min())
+    return min(MARK_SCALE, MARK_APART * texel / max(pixel, 1e-30))
+
+
 class LightTexture:
     """Visibility and the shadows of three lights over a volume (Campagnolo 2021, 3.3.3).
 
@@ -135,9 +163,12 @@ class LightTexture:
         """
         fields = {"size": self.texels, "width": self.bricks[0], "height": self.bricks[1]}
         everywhere = settings.light_all and marks is None
-        if not everywhere and marks is None:
-            record.clear_buffer(self._marks)
-            self._mark(record, resources, fields, size, constants)
+        if marks is None and not everywhere:
+            scale = mark_scale(resources["view"], resources["volume"], self.texels)
+            everywhere = math.prod(size) > MOST_MARKING * scale**2
+            if not everywhere:
+                record.clear_buffer(self._marks)
+                self._mark(record, resources, fields, size, constants, scale)
         resources = {
             **resources,
             "bricks": {**fields, "depth": self.bricks[2], "all_bricks": int(everywhere)},
@@ -163,20 +194,19 @@ class LightTexture:
         fields: dict[str, Any],
         size: tuple[int, int],
         constants: Mapping[str, Any],
+        scale: float,
     ) -> None:
-        small = tuple(-(-n // MARK_SCALE) for n in size)
-        view = dict(resources["view"])
-        view["size"] = tuple(n / MARK_SCALE for n in view["size"])
-        view["origin"] = tuple(n / MARK_SCALE for n in view["origin"])
+        width, height = (math.ceil(n / scale) for n in size)
         march = resources["march"] | {
-            "width": small[0],
-            "height": small[1],
-            "surface_scale": MARK_SCALE * np.asarray(resources["march"]["surface_scale"]),
+            "width": width,
+            "height": height,
+            "surface_scale": scale * np.asarray(resources["march"]["surface_scale"]),
         }
+        view = scaled_view(dict(resources["view"]), 1 / np.array((scale, scale)))
         record.compute(
             "passes/volume/mark.wgsl",
             "main",
-            small,
+            (width, height),
             {**resources, "view": view, "march": march, "bricks": fields, "marks": self._marks},
             {"ISOSURFACE": constants["ISOSURFACE"]},
             label="volume marks",
