@@ -32,7 +32,9 @@ def ramp(opacity: float) -> TransferFunction:
     return TransferFunction(WHITE, ((0.0, 0.0), (1.0, opacity)))
 
 
-def draw(gpu, volume, settings, transfer, *, camera=None, size=(32, 32), clip=None, lighting=None):
+def draw(
+    gpu, volume, settings, transfer, *, camera=None, size=(32, 32), clip=None, lighting=None, **more
+):
     """(height, width, 4) premultiplied linear colour and opacity, depths, and the picture kept."""
     from scuro.passes.compose.lighting import lights_uniform
 
@@ -52,6 +54,7 @@ def draw(gpu, volume, settings, transfer, *, camera=None, size=(32, 32), clip=No
         color=color,
         depth=depth,
         clip=clip,
+        **more,
     )
     record.submit()
     return gpu.read_texture(color).astype(float), gpu.read_texture(depth), picture
@@ -373,3 +376,16 @@ def test_summed_tables_are_exact(gpu):
     box = np.diff(np.diff(np.diff(table.astype(np.int64), axis=0), axis=1), axis=2) / 1024
     expected = -np.log1p(-0.9 * values[1:, 1:, 1:])
     np.testing.assert_allclose(box, expected, atol=0.02)
+
+
+def test_light_made_in_pieces_is_the_same(gpu, monkeypatch):
+    monkeypatch.setattr("scuro.passes.volume.light.PIECE", 0.0)
+    monkeypatch.setattr("scuro.passes.volume.light.FIRST_BRICKS", 7)
+    x = np.indices((24, 24, 24)) / 23.0
+    volume = Volume(np.float32(0.5 + 0.5 * np.sin(9 * x).prod(axis=0)), np.eye(4))
+    settings = PLAIN.replace(occlusion__on=True)
+    shares: list[float] = []
+    whole, _, _ = draw(gpu, volume, settings, ramp(0.2))
+    cut, _, _ = draw(gpu, volume, settings, ramp(0.2), breathe=shares.append)
+    np.testing.assert_array_equal(cut, whole)
+    assert len(shares) > 10 and shares == sorted(shares) and shares[-1] == 1.0

@@ -120,7 +120,13 @@ class ReservoirLight:
         if self._texture is None or self._texture.texels != texels:
             self._texture = LightTexture(self.model.gpu, texels)
         self._texture.make(
-            frame.recorder, resources, settings, frame.size, {"ISOSURFACE": False}, self._marks
+            frame.recorder,
+            resources,
+            settings,
+            frame.size,
+            {"ISOSURFACE": False},
+            self._marks,
+            frame.breathe,
         )
         self._made_of = made_of
         return self._texture.texture

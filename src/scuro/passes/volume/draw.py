@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -87,6 +87,7 @@ class VolumePicture(BuiltVolume):
         clip: Clip | None = None,
         surface: Any = None,
         solids: Any = None,
+        breathe: Callable[[float], None] | None = None,
     ) -> None:
         """Record the volume's picture.
 
@@ -102,6 +103,7 @@ class VolumePicture(BuiltVolume):
             clip: Half-spaces to keep.
             surface: The G-buffer's ``surface`` texture, whose depths stop rays.
             solids: Texture that is 1 where surfaces fill space, for cones to see them.
+            breathe: See :meth:`LightTexture.make`.
         """
         clip = clip or Clip()
         full = size
@@ -121,7 +123,7 @@ class VolumePicture(BuiltVolume):
             "volume_depth": depth if size == full else scaler.depth,
         }  # fmt: skip
         march = self._march(record, settings, transfer, resources, size, clip, surfaces, solids)
-        self._draw(march, clip, solids)
+        self._draw(march, clip, solids, breathe)
         if size != full:
             scaler.scale(record, color, depth)
 
@@ -170,7 +172,9 @@ class VolumePicture(BuiltVolume):
         )  # fmt: skip
         return March(record, settings, classified, size, resources, constants, same)
 
-    def _draw(self, march: March, clip: Clip, solids: Any) -> None:
+    def _draw(
+        self, march: March, clip: Clip, solids: Any, breathe: Callable[[float], None] | None
+    ) -> None:
         """Record the picture by the method that the settings choose."""
         settings, size = march.settings, march.size
         lighted = settings.occlusion.on or settings.shadow.on
@@ -199,7 +203,9 @@ class VolumePicture(BuiltVolume):
         if lighted:
             texels = LightTexture.texels_for(self.grid, settings)
             light = self.keep("light", texels, lambda: LightTexture(self.gpu, texels))
-            light.make(march.record, march.resources, settings, size, march.constants)
+            light.make(
+                march.record, march.resources, settings, size, march.constants, breathe=breathe
+            )
             march = march.with_({"illuminated": light.texture})
         march.compute(
             "passes/volume/raycast.wgsl",

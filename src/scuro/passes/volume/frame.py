@@ -128,6 +128,7 @@ class Volumes:
             depth=frame.target("volume_depth", "r32float"),
             surface=surface,
             solids=picture.solids(scene.occluders()) if lighted else None,
+            breathe=frame.breathe,
             **common,
         )
         on_surfaces = bool(bodies) and lighted

@@ -11,6 +11,9 @@ struct Bricks {
     depth: u32,
     // whether all bricks are wanted, marked or not
     all_bricks: u32,
+    // the part of the listed bricks that a dispatch lights
+    first: u32,
+    end: u32,
 }
 
 @group(2) @binding(8) var<uniform> bricks: Bricks;
@@ -36,8 +39,8 @@ fn main(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_id) within: vec3u,
 ) {
-    let count = atomicLoad(&wanted[0]);
-    for (var i = group.x; i < count; i += groups.x) {
+    let end = min(bricks.end, atomicLoad(&wanted[0]));
+    for (var i = bricks.first + group.x; i < end; i += groups.x) {
         let index = atomicLoad(&wanted[1u + i]);
         let brick = vec3u(index, index / bricks.width, index / (bricks.width * bricks.height))
             % vec3u(bricks.width, bricks.height, 0xffffffffu);

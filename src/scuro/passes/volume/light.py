@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from scuro.gpu import Gpu, Recorder
+from scuro.passes.pieces import PIECE
 from scuro.passes.volume.cone_sections import cone_sections
 from scuro.passes.volume.grid import VolumeGrid
 from scuro.passes.volume.pyramid import Pyramid
@@ -37,6 +39,9 @@ LEAST_LIGHT = math.exp(-6)
 
 MOST_ITERATIONS = 50_000
 """Iterations of loops in one invocation: lavapipe ends every loop after 65,535 in all, silently."""
+
+FIRST_BRICKS = 256
+"""Bricks of the first piece, where somebody waits beside."""
 
 LIGHT_GROUPS = 1024
 """Workgroups that share the bricks to light, if that is not too much for one."""
@@ -129,6 +134,7 @@ class LightTexture:
     """
 
     def __init__(self, gpu: Gpu, texels: tuple[int, int, int]) -> None:
+        self.gpu = gpu
         self.texels = texels
         self.texture = gpu.texture(texels, "rgba16float", dimension="3d", label="volume light")
         self.bricks = tuple(-(-n // BRICK) for n in texels)
@@ -150,6 +156,7 @@ class LightTexture:
         size: tuple[int, int],
         constants: Mapping[str, Any],
         marks: Any = None,
+        breathe: Callable[[float], None] | None = None,
     ) -> None:
         """Record the light of all bricks, or of those that the picture's rays read.
 
@@ -160,6 +167,8 @@ class LightTexture:
             size: Width and height of the picture.
             constants: ``ISOSURFACE`` as the picture has it.
             marks: Buffer with a word that is not 0 for every brick to light, where that is known.
+            breathe: Called between pieces of what takes long, with the share that is done; all that
+                is recorded is then submitted.
         """
         fields = {"size": self.texels, "width": self.bricks[0], "height": self.bricks[1]}
         everywhere = settings.light_all and marks is None
@@ -169,23 +178,49 @@ class LightTexture:
             if not everywhere:
                 record.clear_buffer(self._marks)
                 self._mark(record, resources, fields, size, constants, scale)
+        count = int(np.prod(self.bricks))
         resources = {
             **resources,
-            "bricks": {**fields, "depth": self.bricks[2], "all_bricks": int(everywhere)},
+            "bricks": {
+                **fields,
+                "depth": self.bricks[2],
+                "all_bricks": int(everywhere),
+                "first": 0,
+                "end": count,
+            },
             "marks": self._marks if marks is None else marks,
             "wanted": self._wanted,
             "illuminated": self.texture,
         }
         chosen = light_constants(settings) | {"LIGHT_COUNT": resources["lights"]["count"]}
         shader = "passes/volume/illuminate.wgsl"
-        count = int(np.prod(self.bricks))
         record.clear_buffer(self._wanted)
         listing = (LISTED_A_ROW, -(-count // LISTED_A_ROW))
         record.compute(shader, "list_bricks", listing, resources, chosen, label="volume marks")
         most = MOST_ITERATIONS // iterations(resources["cones"]["kinds"], resources)
         groups = max(min(LIGHT_GROUPS, count), min(-(-count // max(most, 1)), 65535))
-        threads = (BRICK * groups, BRICK, BRICK)
-        record.compute(shader, "main", threads, resources, chosen, label="volume light")
+
+        def light(first: int, end: int) -> None:
+            some = resources | {"bricks": resources["bricks"] | {"first": first, "end": end}}
+            threads = (BRICK * min(groups, end - first), BRICK, BRICK)
+            record.compute(shader, "main", threads, some, chosen, label="volume light")
+
+        if breathe is None:
+            light(0, count)
+            return
+        record.flush()
+        total = int(self.gpu.read_buffer(self._wanted, np.uint32)[0])
+        done, bricks = 0, FIRST_BRICKS
+        while done < total:
+            end = min(done + bricks, total)
+            start = time.perf_counter()
+            light(done, end)
+            record.flush()
+            self.gpu.finish()
+            seconds = max(time.perf_counter() - start, 1e-6)
+            bricks = max(1, min(round((end - done) * PIECE / seconds), 4 * bricks))
+            done = end
+            breathe(done / total)
 
     def _mark(
         self,
